@@ -27,7 +27,7 @@ std::string name_of_contact(const Scene& scene, int contact) {
 }
 
 std::vector<std::string> warnings_of(const RunTangent& tangent, const Scene& scene) {
-  std::vector<std::string> all;
+  std::vector<std::string> all = tangent.warnings;
   if (!tangent.degenerate.empty()) {
     const DegenerateStep& first = tangent.degenerate.front();
     std::ostringstream words;

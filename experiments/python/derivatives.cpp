@@ -100,7 +100,8 @@ Clock clock_of(const Scene& scene, std::optional<double> step, std::optional<dou
           .cancel = cancel};
 }
 
-/// t, values (rows × columns), derivatives (rows × columns × parameters), status, why, degenerate steps, inconsistent.
+/// t, values (rows × columns), derivatives (rows × columns × parameters), status, why, degenerate steps, inconsistent,
+/// warnings.
 py::tuple gradient(const std::optional<std::string>& text, const std::string& scene_name,
                    const std::vector<std::string>& sets, const std::vector<std::string>& of,
                    const std::vector<std::string>& wrt, const std::string& integrator, const std::string& solver,
@@ -120,7 +121,8 @@ py::tuple gradient(const std::optional<std::string>& text, const std::string& sc
   return py::make_tuple(table_of_rows(found.t, {rows}), table_of_rows(found.value, {rows, columns}),
                         table_of_rows(found.by, {rows, columns, static_cast<py::ssize_t>(wrt.size())}),
                         std::string(name(found.tangent.run.status)), found.tangent.run.why,
-                        degenerate_of(scene, found.tangent.degenerate), found.tangent.inconsistent);
+                        degenerate_of(scene, found.tangent.degenerate), found.tangent.inconsistent,
+                        found.tangent.warnings);
 }
 
 long records_of_run(const std::optional<std::string>& text, const std::string& scene_name,
@@ -133,7 +135,7 @@ long records_of_run(const std::optional<std::string>& text, const std::string& s
 }
 
 /// Of the scalar Σ weights (records × columns) · values: t of the last record, value, gradient, status, why, degenerate
-/// steps, inconsistent. Without weights the scalars are the columns at the end, or (sum) over all records.
+/// steps, inconsistent, warnings. Without weights the scalars are the columns at the end, or (sum) over all records.
 py::tuple vjp_of_run(const std::optional<std::string>& text, const std::string& scene_name,
                      const std::vector<std::string>& sets, const std::vector<std::string>& of,
                      const std::vector<std::string>& wrt, const std::string& integrator, const std::string& solver,
@@ -165,7 +167,7 @@ py::tuple vjp_of_run(const std::optional<std::string>& text, const std::string& 
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by = found.gradient;
   return py::make_tuple(found.run.final.t, to_numpy(Vector(found.value)),
                         py::array_t<double>({by.rows(), by.cols()}, by.data()), std::string(name(found.run.status)),
-                        found.run.why, degenerate_of(scene, found.degenerate), found.inconsistent);
+                        found.run.why, degenerate_of(scene, found.degenerate), found.inconsistent, found.warnings);
 }
 
 /// t, exponents, those of the last half, status, why.

@@ -68,7 +68,9 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
     const std::string name = key.substr(dot + 1, second - dot - 1);
     for (std::size_t i = 0; elements != nullptr && i < elements->size(); ++i) {
       const toml::table* element = (*elements)[i].as_table();
-      if (element == nullptr || (*element)["name"].value_or(std::string()) != name) continue;
+      if (element == nullptr) continue;
+      const auto given = (*element)["name"].value_or(std::string());
+      if ((given.empty() ? key.substr(0, dot) + std::to_string(i + 1) : given) != name) continue;
       node = node_at(*element, key.substr(second + 1));
     }
   }
@@ -83,6 +85,21 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
     text += (text.size() > 1 ? ", " : "") + exactly(*number);
   }
   return text + "]";
+}
+
+/// The text of a value that the scene leaves at its default, found by trial; empty: none of the usual ones is it.
+std::string text_of_default(const SceneSource& source, const Scene& scene, const std::string& key, bool is_array) {
+  if (!source.text && is_built_in(source.name)) return {};
+  const System given(scene);
+  const std::vector<std::string> usual =
+      is_array ? std::vector<std::string>{"[0, 0]", "[1, 0]", "[0, 1]"} : std::vector<std::string>{"0", "1"};
+  for (const std::string& text : usual) try {
+      std::vector<std::string> sets = source.sets;
+      sets.push_back(key + "=" + text);
+      if (same_elements(given, System(source.make_with(sets)))) return text;
+    } catch (const std::invalid_argument&) {  // no key of the scene, or out of range
+    }
+  return {};
 }
 
 std::vector<double> numbers_in(const std::string& text) {
@@ -127,7 +144,8 @@ RunParameter parameter_of(const SceneSource& source, const Scene& scene, const s
     return {key, 0, {}, place};
   }
   const auto [name, place] = split_place(key);
-  const std::string text = text_of_value(source, name);
+  std::string text = text_of_value(source, name);
+  if (text.empty()) text = text_of_default(source, scene, name, place >= 0);
   if (text.empty())
     refuse_parameter(key, "the scene gives it no value: must be a key with a number, or given by KEY=VALUE");
   std::vector<double> numbers = numbers_in(text);
@@ -193,13 +211,23 @@ struct Named {
 
 /// Of the motion itself.
 GradientOfRun gradient_of_motion(const Named& named, Solver& solver, const Clock& clock) {
+  const auto refuse = [](const std::string& what, const char* rule) {
+    throw std::invalid_argument("gradients: by event-driven " + what + " has no derivatives: must be " + rule);
+  };
+  if (!named.scene.collisions.empty())
+    refuse("the [[collision]] '" + named.scene.collisions.front().name + "'", "listed as [[contact]]");
+  if (!named.scene.frictions.empty())
+    refuse("the [[friction]] '" + named.scene.frictions.front().name + "'", "left out, or the integrator moreau-jean");
+  if (named.scene.restitution != Restitution::newton) refuse("restitution = poisson", "newton");
+  if (named.scene.impacts != Impacts::simultaneous) refuse("impacts = sequential", "simultaneous");
   EventDrivenOptions options;
   if (!named.given.empty()) set_options(options, named.given);
   ColumnSlopes slopes(named.system, named.columns);
   if (slopes.any_impulse())
     throw std::invalid_argument("gradients: by event-driven impulses have none: must be columns of bodies, or gaps");
   std::vector<ParameterChange> changes;
-  for (const RunParameter& parameter : named.parameters) changes.push_back(changes_of(parameter, named.system, clock.duration));
+  for (const RunParameter& parameter : named.parameters)
+    changes.push_back(changes_of(parameter, named.system, clock.duration));
   GradientOfRun gradient;
   const MotionTangent motion = differentiate_motion(
       named.system, named.parameters, options, solver, clock.duration, clock.step * static_cast<double>(clock.every),
@@ -218,6 +246,7 @@ GradientOfRun gradient_of_motion(const Named& named, Solver& solver, const Clock
   if (!motion.none.empty()) throw std::runtime_error("gradients: the motion has no derivative: " + motion.none);
   gradient.tangent.run.status = motion.status, gradient.tangent.run.why = motion.why;
   gradient.tangent.run.final = motion.final;
+  gradient.tangent.warnings = motion.warnings;
   gradient.tangent.q = motion.q, gradient.tangent.v = motion.v;
   return gradient;
 }

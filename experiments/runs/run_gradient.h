@@ -1,8 +1,10 @@
 // experiments/runs/run_gradient.h — gradient of a run's columns by names: of "crank.theta" by "mu", "body.rod.mass".
 //
 // A parameter is a key of --set with a number for a value: of a built-in scene one of its options, of a file a key path
-// ("contact.corner1.mu"), an entry of an array by its place ("body.rod.position[0]"). `start.BODY.COLUMN`, COLUMN of
-// x, y, theta, vx, vy, omega, is the body's initial coordinate or velocity.
+// ("contact.corner1.mu"), an entry of an array by its place ("body.rod.position[0]"). An element without a name has
+// that of its kind and number. A value that the file leaves out counts as given where its default is 0 or 1, or an
+// array of such numbers. `start.BODY.COLUMN`, COLUMN of x, y, theta, vx, vy, omega, is the body's initial coordinate or
+// velocity.
 #pragma once
 
 #include <orthant/integrators/derivatives/lyapunov.h>

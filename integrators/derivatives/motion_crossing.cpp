@@ -10,14 +10,16 @@ namespace orthant {
 
 namespace {
 
-constexpr double kStrikeTogether = 1e-6;         // of the changes of times: contacts strike together still
-constexpr double kSameImpact = 1e-7;       // of v⁺
-constexpr double kGrazed = 24 * 0x1p-52;   // of the coordinates in a gap: a lower flight is lost in its rounding
-constexpr double kGrazingSlip = 1e-7;      // of the accelerations
-constexpr double kGrazingForce = 1e-9;     // [1/s] of the force
-constexpr double kAtItsBound = 1e-6;       // of the force
-constexpr double kForcesJump = 1e-6;             // of the accelerations
-constexpr double kGrows = 1e4;             // of the tangents, through one event
+constexpr double kStrikeTogether = 1e-6;  // of the changes of times: contacts strike together still
+constexpr double kSameImpact = 1e-7;      // of v⁺
+constexpr double kGrazed = 24 * 0x1p-52;  // of the coordinates in a gap: a lower flight is lost in its rounding
+constexpr double kGrazedUnseen = 1e-12;   // likewise: of a motion that does not touch
+constexpr double kClose = 1e-2;           // of the way: nearer ones are looked at
+constexpr double kGrazingSlip = 1e-7;     // of the accelerations
+constexpr double kGrazingForce = 1e-9;    // [1/s] of the force
+constexpr double kAtItsBound = 1e-6;      // of the force
+constexpr double kForcesJump = 1e-6;      // of the accelerations
+constexpr double kGrows = 1e4;            // of the tangents, through one event
 constexpr std::size_t kMostWarnings = 20;
 
 }  // namespace
@@ -94,15 +96,49 @@ void MotionVariation::cross_knot(const Arc& after) {
   });
 }
 
+/// Contacts that come within rounding of a touch in the arc and turn back: the integrator does not see them touch.
+void MotionVariation::watch_grazes(const Arc& arc) {
+  base_.set_modes(arc.modes);
+  for (int c = 0; c < system_.contacts(); ++c) {
+    if (arc.modes[static_cast<std::size_t>(c)].lasting) continue;
+    const double end = arc.start + arc.length, h = arc.length, zero = kGrazedUnseen * base_.gap_scale(c, end, arc.q1);
+    const double g0 = base_.gap(c, arc.start, arc.q0), g1 = base_.gap(c, end, arc.q1);
+    const double r0 = base_.gap_rate(c, arc.start, arc.q0, arc.v0), r1 = base_.gap_rate(c, end, arc.q1, arc.v1);
+    if (!(g0 > zero && g1 > zero && r0 < 0 && r1 > 0)) continue;
+    const auto slope = [&](double s) {  // of the cubic through both ends, times h
+      return 6 * s * (s - 1) * (g0 - g1) + (3 * s - 1) * (s - 1) * h * r0 + s * (3 * s - 2) * h * r1;
+    };
+    double low = 0, high = 1;
+    while (high - low > 1e-12) (slope((low + high) / 2) < 0 ? low : high) = (low + high) / 2;
+    const double s = low, t = arc.start + s * h;
+    const double least = (1 + 2 * s) * (1 - s) * (1 - s) * g0 + s * (1 - s) * (1 - s) * h * r0 +
+                         s * s * (3 - 2 * s) * g1 + s * s * (s - 1) * h * r1;
+    if (!(least < kClose * h * (r1 - r0))) continue;
+    Eigen::VectorXd q = arc.q0, v = arc.v0, a = arc.a0;
+    if (!base_.move(arc.start, s * h, q, v) || !base_.accelerations(t, q, v, a)) continue;
+    const double rate = base_.gap_rate(c, t, q, v), pulled = base_.gap_acceleration(c, t, q, v, a);
+    if (!(pulled > 0) || base_.gap(c, t, q) - rate * rate / (2 * pulled) > zero) continue;
+    if (result_.none.empty())
+      result_.none = "at t = " + detail::text_of(t - rate / pulled) + " s contact " + name(c) +
+                     " comes within rounding of a touch (a graze)";
+  }
+}
+
 /// (1) of motion_tangent.h.
 void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
   check_reset(crossing, after);
+  std::vector<Struck> falls_back;  // where e = 0 and is varied: short flights, which end as the impact itself does
+  for (const Struck& s : crossing.struck)
+    if (after.modes[static_cast<std::size_t>(s.contact)].lasting && system_.law(s.contact).e == 0)
+      falls_back.push_back(s), falls_back.back().plastic = true;
   const EventKind kind = crossing.kind != Guard::gap ? EventKind::slip
                          : crossing.plastic          ? EventKind::accumulation
                                                      : EventKind::impact;
   CrossedGuard crossed{now(), kind, crossing.guards.front(), 0, {}};
   const Eigen::VectorXd rate = rates(crossing);
   crossed.rate = rate[0];
+  const double jump = std::max((after.v0 - before_.v1).lpNorm<Eigen::Infinity>(),
+                               before_.a1.lpNorm<Eigen::Infinity>() + after.a0.lpNorm<Eigen::Infinity>());
   double most = 0;
   each([&](VariedDirection& d, auto dq, auto dv) {
     double guard = 0;
@@ -114,14 +150,15 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
         [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
           near.set_modes(before_.modes);
           if (!crossing.struck.empty()) near.strike(crossing.struck, now(), q, v);
+          if (!falls_back.empty()) near.strike(falls_back, now(), q, v);
           near.set_modes(after.modes);
           near.project(now(), q, v);
         });
     dq -= moves * after.v0, dv -= moves * after.a0;
-    const double to = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
-    if (from > 0) most = std::max(most, to / from);
+    if (from > 0) most = std::max(most, std::abs(moves) * jump / from);
   });
   result_.guards.push_back(std::move(crossed));
+  for (const Struck& s : crossing.struck) struck_at_[static_cast<std::size_t>(s.contact)] = now();
   if (most > kGrows && result_.warnings.size() < kMostWarnings)
     result_.warnings.push_back("at t = " + detail::text_of(now()) + " s contact " + name(crossing.guards.front()) +
                                (crossing.kind == Guard::gap    ? " is touched at a rate of "
@@ -139,9 +176,18 @@ void MotionVariation::check_reset(const Crossing& crossing, const Arc& after) {
   base_.set_modes(after.modes);
   base_.project(now(), q, v);
   const double off = (v - after.v0).lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>());
-  if (!(off <= kSameImpact))
-    throw std::runtime_error("derivatives of a motion: the impact at t = " + detail::text_of(now()) +
-                             " s is not one by Newton's law on all contacts at once, by " + detail::text_of(off));
+  if (off <= kSameImpact) return;
+  std::string names;
+  for (const Struck& s : crossing.struck) names += (names.empty() ? "" : ", ") + name(s.contact);
+  const std::string where =
+      "at t = " + detail::text_of(now()) + " s, contact" + (crossing.struck.size() > 1 ? "s " : " ") + names + ": ";
+  throw std::runtime_error(
+      "derivatives of a motion: " + where +
+      (crossing.plastic ? "series of impacts end there together with other impacts, one after the other: the end of "
+                          "such series has no derivative here"
+                        : "the impact is not one by Newton's law on all contacts at once: its velocities differ from "
+                          "that by " +
+                              detail::text_of(off)));
 }
 
 /// Of the guards; a graze has no derivative.
@@ -178,7 +224,9 @@ double MotionVariation::least_rate(const Crossing& crossing, std::size_t guard) 
     return kGrazingForce * std::abs(base_.tangent_force(contact, now(), before_.q1, before_.v1));
   const double pulled = std::abs(base_.gap_acceleration(contact, now(), before_.q1, before_.v1, before_.a1));
   const double fast = before_.v1.lpNorm<Eigen::Infinity>();
-  return std::sqrt(2 * pulled * kGrazed * base_.gap_scale(contact, now(), before_.q1)) + 16 * kRounding * fast;
+  const double way = fast * (now() - struck_at_[static_cast<std::size_t>(contact)]);
+  const double lost = kGrazed * base_.gap_scale(contact, now(), before_.q1) + 4 * options_.rtol * way;
+  return std::sqrt(2 * pulled * lost) + 16 * kRounding * fast;
 }
 
 /// δt of (1); of several guards the mean, where they agree. change: the largest one of a guard.
@@ -190,10 +238,10 @@ double MotionVariation::change_of_time(VariedDirection& d, const Crossing& cross
     const int contact = crossing.guards[i];
     const auto value = [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) -> Eigen::VectorXd {
       near.set_modes(before_.modes);
-      return Eigen::VectorXd::Constant(1, crossing.kind == Guard::gap    ? near.gap(contact, t, q)
-                                          : crossing.kind == Guard::slip ? near.slip(contact, t, q, v)
-                                                                         : near.room(contact, crossing.sides[i],
-                                                                                     just_before(), q, v));
+      return Eigen::VectorXd::Constant(1, crossing.kind == Guard::gap ? near.gap(contact, t, q)
+                                          : crossing.kind == Guard::slip
+                                              ? near.slip(contact, t, q, v)
+                                              : near.room(contact, crossing.sides[i], just_before(), q, v));
     };
     const double by = d.derivative(before_.q1, before_.v1, dq, dv, value)[0];
     const double moves = -by / rate[static_cast<Eigen::Index>(i)];

@@ -18,22 +18,26 @@ MotionVariation::MotionVariation(const System& system, const std::vector<RunPara
                                  const EventDrivenOptions& options, MotionTangent& result)
     : system_(system), options_(options), base_(system), result_(result) {
   const auto count = static_cast<Eigen::Index>(parameters.size());
+  std::vector<ParameterChange> changes;
+  for (const RunParameter& parameter : parameters)
+    changes.push_back(changes_of(parameter, system, duration, kParameterStep));
+  result.warnings = one_sided_in_words(parameters, changes);
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
-  for (const RunParameter& parameter : parameters) {
-    VariedDirection direction{changes_of(parameter, system, duration, kParameterStep), &base_, {}};
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    VariedDirection direction{std::move(changes[j]), &base_, {}};
     if (direction.change.moves_drive)
-      throw std::invalid_argument("derivative with respect to " + parameter.name +
+      throw std::invalid_argument("derivative with respect to " + parameters[j].name +
                                   ": times of a drive's table have none by event-driven: must be moreau-jean");
     for (std::size_t k = 0; k < 4 && direction.change.of_scene(); ++k)
       direction.near[k] = std::make_unique<NearbyMotion>(*direction.change.at[k]);
     directions_.push_back(std::move(direction));
-    names_.push_back(parameter.name);
+    names_.push_back(parameters[j].name);
   }
 }
 
-template <class Out, class F>
-void MotionVariation::map(VariedDirection& d, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
-                          const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, Out& to_q, Out& to_v, F&& f) {
+template <class Out, class F> void MotionVariation::map(VariedDirection& d, const Eigen::VectorXd& q,
+                                                        const Eigen::VectorXd& v, const Eigen::VectorXd& dq,
+                                                        const Eigen::VectorXd& dv, Out& to_q, Out& to_v, F&& f) {
   const Eigen::VectorXd x =
       d.derivative(q, v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& at_q, Eigen::VectorXd& at_v) {
         f(near, at_q, at_v);
@@ -46,6 +50,7 @@ void MotionVariation::map(VariedDirection& d, const Eigen::VectorXd& q, const Ei
 
 void MotionVariation::begin(const State& given) {
   const std::vector<ContactMode> open(static_cast<std::size_t>(system_.contacts()));
+  struck_at_.assign(open.size(), given.t);
   before_.start = given.t, before_.length = 0, before_.modes = open;
   before_.q1 = given.q, before_.v1 = given.v, before_.a1.setZero(given.v.size());
   base_.set_modes(open);
@@ -63,10 +68,10 @@ void MotionVariation::begin(const State& given) {
 void MotionVariation::pass(const Arc& arc, std::span<const Event> events) {
   std::vector<Event> after;
   if (arc.length > 0) {
-    for (const Event& event : events)
-      (!begun_ && event.t <= arc.start ? events_ : after).push_back(event);
+    for (const Event& event : events) (!begun_ && event.t <= arc.start ? events_ : after).push_back(event);
     begun_ ? cross(arc) : start(arc);
     begun_ = true;
+    watch_grazes(arc);
     each([&](VariedDirection& d, auto dq, auto dv) {
       const Eigen::VectorXd from_q = dq, from_v = dv;
       map(d, arc.q0, arc.v0, from_q, from_v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
@@ -74,6 +79,10 @@ void MotionVariation::pass(const Arc& arc, std::span<const Event> events) {
         if (!near.move(arc.start, arc.length, q, v)) throw std::runtime_error("derivatives of a motion: not finite");
       });
     });
+    if (!result_.q.allFinite() || !result_.v.allFinite())
+      throw std::runtime_error("derivatives of a motion: before t = " + detail::text_of(arc.start + arc.length) +
+                               " s they exceed the range of numbers: the motion is so unstable that they have no "
+                               "meaning, or the duration is too long for them");
     before_ = arc;
     events_ = std::move(after);
   } else {
@@ -123,13 +132,12 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
     std::string contacts;
     for (const Struck& s : closed) {
       const Eigen::VectorXd from_q = dq, from_v = dv;
-      const Eigen::VectorXd changes =
-          d.derivative(before_.q1, before_.v1, from_q, from_v,
-                       [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-                         near.set_modes(before_.modes);
-                         return Eigen::Vector2d(near.gap(s.contact, t, q),
-                                                s.plastic ? near.gap_rate(s.contact, t, q, v) : 0);
-                       });
+      const Eigen::VectorXd changes = d.derivative(
+          before_.q1, before_.v1, from_q, from_v,
+          [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+            near.set_modes(before_.modes);
+            return Eigen::Vector2d(near.gap(s.contact, t, q), s.plastic ? near.gap_rate(s.contact, t, q, v) : 0);
+          });
       const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
       if (changes.lpNorm<Eigen::Infinity>() > kUnmoved * std::max(size, 1e-3))
         contacts += (contacts.empty() ? "" : ", ") + name(s.contact);

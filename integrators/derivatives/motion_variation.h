@@ -45,13 +45,11 @@ struct VariedDirection {
   static constexpr double kFar = 3e-3;  // [m, rad] along with the parameter, at most
 
   static double speed(const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, const Eigen::VectorXd& v) {
-    return std::max(dq.lpNorm<Eigen::Infinity>(),
-                    dv.lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>()));
+    return std::max(dq.lpNorm<Eigen::Infinity>(), dv.lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>()));
   }
   template <class F> Eigen::VectorXd sum(const std::array<int, 4>& places, const std::array<double, 4>& weights,
-                                         double step, bool of_scene, const Eigen::VectorXd& q,
-                                         const Eigen::VectorXd& v, const Eigen::VectorXd& dq,
-                                         const Eigen::VectorXd& dv, F&& f) const {
+                                         double step, bool of_scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                         const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, F&& f) const {
     Eigen::VectorXd total, at_q, at_v;
     for (std::size_t k = 0; k < 4; ++k) {
       at_q = q + places[k] * step * dq, at_v = v + places[k] * step * dv;
@@ -89,9 +87,9 @@ class MotionVariation {
       f(directions_[j], result_.q.col(column), result_.v.col(column));
     }
   }
-  template <class Out, class F>
-  void map(VariedDirection& d, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& dq,
-           const Eigen::VectorXd& dv, Out& to_q, Out& to_v, F&& f);
+  template <class Out, class F> void map(VariedDirection& d, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                         const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, Out& to_q, Out& to_v,
+                                         F&& f);
 
   void start(const Arc& first);
   void note_one_sided(const std::vector<Struck>& closed);
@@ -100,6 +98,7 @@ class MotionVariation {
   void slips(const Arc& after, Crossing& crossing);
   bool jumps(const Arc& after) const;
   void cross_knot(const Arc& after);
+  void watch_grazes(const Arc& arc);
   void reset(const Crossing& crossing, const Arc& after);
   void check_reset(const Crossing& crossing, const Arc& after);
   double change_of_time(VariedDirection& d, const Crossing& crossing, const Eigen::VectorXd& rate,
@@ -119,7 +118,8 @@ class MotionVariation {
   std::vector<std::string> names_;  // of the parameters
   Arc before_;
   bool begun_ = false;
-  std::vector<Event> events_;  // since before_
+  std::vector<double> struck_at_;  // [s] of each contact, the last impact
+  std::vector<Event> events_;      // since before_
 };
 
 }  // namespace orthant

@@ -103,8 +103,8 @@ double NearbyMotion::room(int contact, int side, double t, const Eigen::VectorXd
 
 double NearbyMotion::room_rate(int contact, int side, double t, double length, const Eigen::VectorXd& q,
                                const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
-  const double fast = std::max(v.lpNorm<Eigen::Infinity>(),
-                               a.lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>()));
+  const double fast =
+      std::max(v.lpNorm<Eigen::Infinity>(), a.lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>()));
   const double s = kAlong / std::max(1.0, fast), least = kInside * std::abs(t);
   const auto at = [&](int k) {
     q_end_ = q + k * s * v + k * k * s * s / 2 * a, v_end_ = v + k * s * a;

@@ -38,8 +38,8 @@ class NearbyMotion {
   double gap_acceleration(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                           const Eigen::VectorXd& a);
   double gap_scale(int contact, double t, const Eigen::VectorXd& q);  // Σ |J_k q_k| of its row
-  /// μ_static λ_N − side λ_T of a lasting contact [N], side = ±1 the sense of λ_T; its rate along the motion [N/s], from
-  /// the `length` seconds before.
+  /// μ_static λ_N − side λ_T of a lasting contact [N], side = ±1 the sense of λ_T; its rate along the motion [N/s],
+  /// from the `length` seconds before.
   double room(int contact, int side, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   double room_rate(int contact, int side, double t, double length, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                    const Eigen::VectorXd& a);
@@ -47,7 +47,7 @@ class NearbyMotion {
   bool accelerations(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
     return motion_.accelerations(t, q, v, a);
   }
-  /// The struck contacts' gaps are closed along the directions of their pushes, as if they fell onto each other at once.
+  /// The struck contacts' gaps are closed along the directions of their pushes, as if they fell back at once.
   void touch(const std::vector<Struck>& struck, double t, Eigen::VectorXd& q);
   /// Newton's law of the struck contacts, each sliding or sticking as it is told.
   void strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v);

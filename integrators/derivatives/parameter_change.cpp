@@ -142,7 +142,7 @@ void list_elements(const Scene& base, const Scene& other, ParameterChange& chang
   list_changed(base.loads, other.loads, change.loads);
   for (const int joint : change.joints) {
     const auto j = static_cast<std::size_t>(joint);
-    if (const auto *one = std::get_if<Drive>(&base.joints[j]), *two = std::get_if<Drive>(&other.joints[j]); one && two)
+    if (const auto* one = std::get_if<Drive>(&base.joints[j]), *two = std::get_if<Drive>(&other.joints[j]); one && two)
       change.moves_drive = change.moves_drive || one->law.table.times() != two->law.table.times();
   }
 }
@@ -154,8 +154,7 @@ void note_knots(const RunParameter& parameter, const Scene& base, ParameterChang
     const auto i = static_cast<std::size_t>(load);
     if (base.loads[i].breakpoints.empty()) continue;
     if (scenes[2].loads.empty())
-      for (std::size_t k = 0; k < 4; ++k)
-        scenes[k] = parameter.scene(parameter.value + change.places[k] * change.step);
+      for (std::size_t k = 0; k < 4; ++k) scenes[k] = parameter.scene(parameter.value + change.places[k] * change.step);
     for (std::size_t b = 0; b < base.loads[i].breakpoints.size(); ++b) {
       double by = 0;
       for (std::size_t k = 0; k < 4; ++k)
@@ -166,8 +165,10 @@ void note_knots(const RunParameter& parameter, const Scene& base, ParameterChang
 }
 
 /// The scenes, with the step that resolves the parts that change.
-void choose_step(const RunParameter& parameter, const System& system, double duration, double first,
+void choose_step(const RunParameter& parameter, const System& system, double duration, double relative,
                  ParameterChange& change) {
+  const double of_zero = relative * 1e-2;
+  const double first = parameter.value != 0 ? relative * std::abs(parameter.value) : of_zero;
   constexpr double kFine = 1e-8, kCoarse = 1e-4;  // of the largest derivative of an element
   constexpr int kTries = 16;
   const auto refuse = [&](const std::string& why) {
@@ -181,9 +182,17 @@ void choose_step(const RunParameter& parameter, const System& system, double dur
     list_elements(system.scene(), change.other().scene(), change);
     return error_of_step(change, system, duration);
   };
-  double step = first, best = first;
+  double step = first;
   std::optional<StepError> error = measured(step);
   if (!error) refuse("the scene must exist on one side of its value: " + why);
+  if (error->rounding >= 1 && step < of_zero) {  // a value that is zero but for rounding
+    error = measured(of_zero);
+    if (error)
+      step = of_zero;
+    else
+      error = measured(step);
+  }
+  double best = step;
   const int side = change.side;
   StepError least = *error;
   const double way = least.rounding > least.truncation ? 10 : 0.1;
@@ -200,8 +209,7 @@ void choose_step(const RunParameter& parameter, const System& system, double dur
 
 }  // namespace
 
-ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration,
-                           double relative_step) {
+ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration, double relative_step) {
   ParameterChange change;
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument("derivative with respect to " + parameter.name + ": " + why);
@@ -213,8 +221,7 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system, 
     (velocity ? change.start_v : change.start_q)[parameter.start - (velocity ? system.dof() : 0)] = 1;
   }
   if (!parameter.scene) return change;
-  choose_step(parameter, system, duration,
-              relative_step * (parameter.value != 0 ? std::abs(parameter.value) : 1e-2), change);
+  choose_step(parameter, system, duration, relative_step, change);
   const Scene &base = system.scene(), &other = change.other().scene();
   note_knots(parameter, base, change);
 
@@ -226,6 +233,9 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system, 
   if (change.other().mass() != system.mass()) change.mass = of_vectors([](const System& s) { return s.mass(); });
   if (change.other().weight() != system.weight())
     change.weight = of_vectors([](const System& s) { return s.weight(); });
+  for (int i = 0; i < system.contacts(); ++i)
+    if (!system.law(i).frictional() && change.other().law(i).frictional())
+      refuse("a contact without friction has no row for it: mu must be > 0");
   change.start_q += of_vectors([](const System& s) { return s.initial_state().q; });
   change.start_v += of_vectors([](const System& s) { return s.initial_state().v; });
   for (int i = 0; i < system.contacts(); ++i) {
@@ -244,6 +254,39 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system, 
         x[0] = s.scene().frictions[i].bound;
       })[0]);
   return change;
+}
+
+std::vector<std::string> one_sided_in_words(const std::vector<RunParameter>& parameters,
+                                            const std::vector<ParameterChange>& changes) {
+  std::vector<std::string> words;
+  for (std::size_t j = 0; j < changes.size(); ++j)
+    if (changes[j].side != 0)
+      words.push_back(parameters[j].name + " = " + detail::text_of(parameters[j].value) +
+                      " is at the end of its range: the derivative is one-sided, of " +
+                      (changes[j].side > 0 ? "larger" : "smaller") + " values");
+  return words;
+}
+
+bool same_elements(const System& one, const System& other) {
+  const Scene &a = one.scene(), &b = other.scene();
+  if (one.dof() != other.dof() || one.contacts() != other.contacts() || one.joint_rows() != other.joint_rows() ||
+      a.joints.size() != b.joints.size() || a.springs.size() != b.springs.size() ||
+      a.frictions.size() != b.frictions.size() || a.loads.size() != b.loads.size())
+    return false;
+  if (one.mass() != other.mass() || one.weight() != other.weight() ||
+      one.initial_state().q != other.initial_state().q || one.initial_state().v != other.initial_state().v)
+    return false;
+  const auto law = [](const ContactLaw& l) { return std::tie(l.mu, l.e, l.e_t, l.mu_static, l.belt); };
+  for (int i = 0; i < one.contacts(); ++i)
+    if (law(one.law(i)) != law(other.law(i))) return false;
+  for (std::size_t i = 0; i < a.frictions.size(); ++i)
+    if (a.frictions[i].bound != b.frictions[i].bound || a.frictions[i].mu != b.frictions[i].mu ||
+        a.frictions[i].radius != b.frictions[i].radius)
+      return false;
+  ParameterChange change;
+  list_elements(a, b, change);
+  change.at[0] = std::make_unique<System>(a), change.at[2] = std::make_unique<System>(b);
+  return same_samples(change, one);
 }
 
 }  // namespace orthant

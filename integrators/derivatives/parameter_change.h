@@ -5,8 +5,8 @@
 //   these parts at the start, at several times of the run: where two orders of the difference agree, and rounding is
 //   small. Else it is 10ⁿ times that, the best n.
 //   Parameters that enter the equations linearly (masses, weights, μ, e, e_T, belts, bounds of dry friction) have one
-//   derivative for the whole run. Elements with other geometry or other laws in time are listed: in each step only these
-//   are evaluated, four times.
+//   derivative for the whole run. Elements with other geometry or other laws in time are listed: in each step only
+//   these are evaluated, four times.
 //   Loads that change the times of their breakpoints: those of the other scenes are moved to where the scene has them,
 //   and each piece of the factor goes on up to there, by extrapolation. Then differences are those of one piece.
 #pragma once
@@ -63,9 +63,16 @@ struct ParameterChange {
   }
 };
 
-/// duration: of the run [s]. Throws std::invalid_argument where no scene lies on either side of the value, where no step
-/// resolves the change, and for a place of the start that is none.
+/// duration: of the run [s]. Throws std::invalid_argument where no scene lies on either side of the value, where no
+/// step resolves the change, and for a place of the start that is none.
 ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration,
                            double relative_step = 1e-3);
+
+/// In words: parameters whose scenes lie on one side of the value only. Empty: there is none.
+std::vector<std::string> one_sided_in_words(const std::vector<RunParameter>& parameters,
+                                            const std::vector<ParameterChange>& changes);
+
+/// Whether all elements are alike, at the start and at three times: of scenes that differ in how they are written.
+bool same_elements(const System& one, const System& other);
 
 }  // namespace orthant

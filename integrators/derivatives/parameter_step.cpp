@@ -17,7 +17,7 @@ class Samples {
   explicit Samples(const ParameterChange& change) : change_(change) {}
 
   /// f(system, values) appends to values.
-  template <class F> void take(StepError& worst, F&& f) {
+  template <class F> void take(F&& f) {
     for (std::size_t k = 0; k < 4; ++k) {
       values_[k].clear();
       f(*change_.at[k], values_[k]);
@@ -40,16 +40,28 @@ class Samples {
     }
     resolved_ = true;
     const double other = std::max(0.0, differs - 16 * rounding) / most;
-    worst.truncation = std::max(worst.truncation, std::pow(other, change_.side == 0 ? 2 : 1.5));
-    worst.rounding = std::max(worst.rounding, rounding / most);
+    worst_.truncation = std::max(worst_.truncation, std::pow(other, change_.side == 0 ? 2 : 1.5));
+    worst_.rounding = std::max(worst_.rounding, rounding / most);
   }
-  /// Nothing changes by more than rounding, but something may.
-  bool lost() const { return lost_ && !resolved_; }
+  /// Nothing changes by more than rounding, but something may: the step is lost in it.
+  StepError worst() const { return lost_ && !resolved_ ? StepError{worst_.truncation, 1} : worst_; }
 
  private:
   const ParameterChange& change_;
+  StepError worst_;
   bool lost_ = false, resolved_ = false;
   std::array<std::vector<double>, 4> values_;
+};
+
+struct PairSamples {
+  explicit PairSamples(const ParameterChange& of) : change(of) {}
+  template <class F> void take(F&& f) {
+    std::vector<double> one, other;
+    f(*change.at[0], one), f(*change.at[2], other);
+    same = same && one == other;
+  }
+  const ParameterChange& change;
+  bool same = true;
 };
 
 void append(const Row& row, std::vector<double>& to) {
@@ -59,11 +71,10 @@ void append(const Row& row, std::vector<double>& to) {
 
 void append(const Eigen::VectorXd& x, std::vector<double>& to) { to.insert(to.end(), x.begin(), x.end()); }
 
-
-void take_elements(const ParameterChange& change, const System& system, const Kinematics& at,
-                   const Eigen::VectorXd& v, Samples& samples, StepError& worst) {
+template <class Samples> void take_elements(const ParameterChange& change, const System& system, const Kinematics& at,
+                                            const Eigen::VectorXd& v, Samples& samples) {
   for (const int joint : change.joints)
-    samples.take(worst, [&](const System& s, std::vector<double>& to) {
+    samples.take([&](const System& s, std::vector<double>& to) {
       const auto& one = s.scene().joints[static_cast<std::size_t>(joint)];
       std::vector<Row> rows(static_cast<std::size_t>(row_count(one)));
       std::vector<double> phi(rows.size()), rate(rows.size());
@@ -79,7 +90,7 @@ void take_elements(const ParameterChange& change, const System& system, const Ki
       }
     });
   for (const int spring : change.springs)
-    samples.take(worst, [&](const System& s, std::vector<double>& to) {
+    samples.take([&](const System& s, std::vector<double>& to) {
       std::visit(
           [&](const auto& one) {
             const SpringState there = one.evaluate(at, v.data());
@@ -89,28 +100,26 @@ void take_elements(const ParameterChange& change, const System& system, const Ki
           s.scene().springs[static_cast<std::size_t>(spring)]);
     });
   for (const int friction : change.frictions)
-    samples.take(worst, [&](const System& s, std::vector<double>& to) {
+    samples.take([&](const System& s, std::vector<double>& to) {
       append(s.scene().frictions[static_cast<std::size_t>(friction)].of.row(at), to);
     });
   for (const int load : change.loads)
-    samples.take(worst, [&](const System& s, std::vector<double>& to) {
+    samples.take([&](const System& s, std::vector<double>& to) {
       Eigen::VectorXd f = Eigen::VectorXd::Zero(system.dof());
       s.scene().loads[static_cast<std::size_t>(load)].add(at, at.t, f.data());
       append(f, to);
     });
 }
 
-}  // namespace
-
-StepError error_of_step(const ParameterChange& change, const System& system, double duration) {
+/// all: contacts too that may stand for another corner beside the value.
+template <class Samples>
+void take_all(const ParameterChange& change, const System& system, double duration, bool all, Samples& samples) {
   constexpr double kTimes[] = {0, 0.381966, 1};  // of the duration
-  StepError worst;
-  Samples samples(change);
   const State start = system.initial_state();
   Kinematics at = Terms(system).at;
   for (const double part : kTimes) {
     set_poses(system, start.t + part * duration, start.q, at);
-    take_elements(change, system, at, start.v, samples, worst);
+    take_elements(change, system, at, start.v, samples);
   }
   set_poses(system, start.t, start.q, at);
   for (const int contact : change.contacts) {
@@ -122,19 +131,31 @@ StepError error_of_step(const ParameterChange& change, const System& system, dou
                  std::is_same_v<Kind, Journal> || std::is_same_v<Kind, Limit>;
         },
         system.scene().contacts[c]);
-    if (!smooth) continue;  // another corner may be the nearest one beside the value
-    samples.take(worst, [&](const System& s, std::vector<double>& to) {
+    if (!smooth && !all) continue;
+    samples.take([&](const System& s, std::vector<double>& to) {
       const ContactRows rows = std::visit([&](const auto& one) { return one.rows(at); }, s.scene().contacts[c]);
       append(rows.normal, to), append(rows.tangent, to);
       to.push_back(gap_of(s, {}, contact, at));
     });
   }
-  samples.take(worst, [](const System& s, std::vector<double>& to) { append(s.mass(), to); });
-  samples.take(worst, [](const System& s, std::vector<double>& to) { append(s.weight(), to); });
-  samples.take(worst, [](const System& s, std::vector<double>& to) { append(s.initial_state().q, to); });
-  samples.take(worst, [](const System& s, std::vector<double>& to) { append(s.initial_state().v, to); });
-  if (samples.lost()) worst.rounding = 1;
-  return worst;
+  samples.take([](const System& s, std::vector<double>& to) { append(s.mass(), to); });
+  samples.take([](const System& s, std::vector<double>& to) { append(s.weight(), to); });
+  samples.take([](const System& s, std::vector<double>& to) { append(s.initial_state().q, to); });
+  samples.take([](const System& s, std::vector<double>& to) { append(s.initial_state().v, to); });
+}
+
+}  // namespace
+
+StepError error_of_step(const ParameterChange& change, const System& system, double duration) {
+  Samples samples(change);
+  take_all(change, system, duration, false, samples);
+  return samples.worst();
+}
+
+bool same_samples(const ParameterChange& change, const System& system) {
+  PairSamples samples(change);
+  take_all(change, system, 1, true, samples);
+  return samples.same;
 }
 
 }  // namespace orthant

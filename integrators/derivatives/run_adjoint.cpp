@@ -34,6 +34,7 @@ class Adjoint {
         linear_(system, options),
         W_(static_cast<Index>(columns.size()), scalars) {
     for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
+    result_.warnings = one_sided_in_words(parameters, changes_);
     parts_.resize(changes_.size());
     result_.value.setZero(scalars);
     result_.gradient.setZero(scalars, static_cast<Index>(changes_.size()));
@@ -140,6 +141,7 @@ class Adjoint {
       }
       pull(scalar, slopes_.any_impulse() ? &impulses_ : nullptr);
     }
+    refuse_overflow(q_.allFinite() && v_.allFinite(), trace.before.t);
     if (!linear_.degenerate().empty()) result_.degenerate.push_back({trace.before.t, linear_.degenerate()});
     result_.inconsistent += !linear_.consistent();
   }

@@ -20,6 +20,7 @@ struct RunAdjoint {
   std::vector<DegenerateStep> degenerate;
   long inconsistent = 0;  // steps in which a scalar depends on how redundant contacts share their load
   long checkpoints = 0;
+  std::vector<std::string> warnings;  // of derivatives that are one-sided
 };
 
 /// Fills W of a record, columns × scalars, which is zero before.

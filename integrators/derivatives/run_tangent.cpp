@@ -10,6 +10,7 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   std::vector<ParameterChange> changes;
   for (const RunParameter& parameter : parameters) changes.push_back(changes_of(parameter, system, clock.duration));
   RunTangent result;
+  result.warnings = one_sided_in_words(parameters, changes);
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
   MoreauJean integrator(system, options);
   StepLinearization linear(system, options);
@@ -66,6 +67,7 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
         const Impulse& impulse = moment.impulses[at(contact)];
         value[row] += normal ? impulse.normal : impulse.tangent;
       });
+      refuse_overflow(result.q.allFinite() && result.v.allFinite(), before.t);
       if (!linear.degenerate().empty()) result.degenerate.push_back({before.t, linear.degenerate()});
       result.inconsistent += !linear.consistent();
       ++step;

@@ -16,7 +16,8 @@ struct RunTangent {
   Run run;
   Eigen::MatrixXd q, v;  // dof × parameters, at run.final
   std::vector<DegenerateStep> degenerate;
-  long inconsistent = 0;  // steps in which a parameter parts redundant contacts: there is no derivative
+  long inconsistent = 0;              // steps in which a parameter parts redundant contacts: there is no derivative
+  std::vector<std::string> warnings;  // of derivatives that are one-sided
 };
 
 /// A record: values of the columns, and their derivatives (columns × parameters).
@@ -24,7 +25,7 @@ using TangentRecorder = std::function<void(double t, const Eigen::VectorXd& valu
 
 /// Records as clock.every says. Throws std::invalid_argument for what has no derivative here
 /// (step_linearization.h), and for a parameter at the end of its range, where no scene lies on one side;
-/// std::runtime_error for a step that is not a plain one.
+/// std::runtime_error for a step that is not a plain one, and where derivatives overflow.
 RunTangent differentiate_run(const System& system, const std::vector<RunParameter>& parameters,
                              const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
                              const std::vector<RunColumn>& columns = {}, const TangentRecorder& record = {});

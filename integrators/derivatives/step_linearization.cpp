@@ -12,6 +12,14 @@ constexpr double kSameStep = 1e-8;  // of x⁺: rounding, and what the projectio
 
 }  // namespace
 
+void refuse_overflow(bool finite, double t) {
+  if (!finite)
+    throw std::runtime_error(
+        "derivatives of a run: in the step at t = " + detail::text_of(t) +
+        " s they exceed the range of numbers: the motion is so unstable that they have no meaning, "
+        "or the duration is too long for them");
+}
+
 void StepTrace::take(const MoreauJean& integrator, const State& x, double duration, const State& end) {
   const System& system = integrator.system();
   const Formulation& formulation = integrator.formulation();
@@ -40,8 +48,10 @@ StepLinearization::StepLinearization(const System& system, const MoreauJeanOptio
       slopes_(static_cast<std::size_t>(system.joint_rows())),
       none_(Eigen::VectorXd::Zero(system.joint_rows())),
       unused_joints_(system.joint_rows()) {
-  if (options.joints != Joints::symmetric || options.form != Form::reduced)
-    throw std::invalid_argument("derivatives of a step: joints and form must be symmetric and reduced");
+  if (options.joints != Joints::symmetric)
+    throw std::invalid_argument("derivatives of a run: option joints: must be symmetric");
+  if (options.form != Form::reduced)
+    throw std::invalid_argument("derivatives of a run: option form = full: must be reduced");
   for (const JointFriction& f : system.scene().frictions)
     if (f.loaded())
       throw std::invalid_argument("derivatives of a step: the friction '" + f.name + "' depends on its joint's load");

@@ -51,6 +51,9 @@ struct ImpulseChange {
   Eigen::VectorXd normal, tangent;
 };
 
+/// Throws std::runtime_error for tangents or adjoints that are not finite any more, of a step from t on.
+void refuse_overflow(bool finite, double t);
+
 class StepLinearization {
  public:
   /// Throws std::invalid_argument for what has no derivative here.
@@ -60,8 +63,8 @@ class StepLinearization {
   /// The start: projected onto the joints from the state `given` to `closed`.
   void set_up_start(const State& given, const State& closed);
 
-  /// A parameter's part in the equations of the step (of the start: of the coordinates' projection), and in those of the
-  /// projection.
+  /// A parameter's part in the equations of the step (of the start: of the coordinates' projection), and in those of
+  /// the projection.
   struct Part {
     SparsePart step, projection;
   };
@@ -102,7 +105,7 @@ class StepLinearization {
   Terms terms_;                      // at q_a
   BasicSystem basic_;
   ProjectionLinearization projection_;
-  ProjectionLinearization opening_;  // opening_: of the start's coordinates
+  ProjectionLinearization opening_;           // opening_: of the start's coordinates
   std::vector<Row> rows_;                     // of the problem
   std::vector<StepTrace::Place> places_;      // with what strikes
   Eigen::VectorXd v_new_, change_, joint_;    // v', v' − v, Λ_G

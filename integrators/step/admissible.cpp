@@ -18,7 +18,7 @@ constexpr double kDefect = 0.05, kMostDefect = 1;  // of the energy's scale: rep
 constexpr double kGrown = 1.2;                     // of the overlap at the last look: looked at again
 constexpr long kLooks = 256;                       // steps after which it is looked at in any case
 constexpr double kRounded = 1e-12;                 // of the energies that differences are taken of
-constexpr double kPlaceRounding = 1e-15;                // of the coordinates: their rounding
+constexpr double kPlaceRounding = 1e-15;           // of the coordinates: their rounding
 constexpr double kSoon = 1e-3;                     // of the time: a jam that near explains a failed step
 constexpr double kCrossing = 1e-4;                 // [s] the longest of a scheme that divides its step
 

@@ -83,6 +83,96 @@ wall = {normal = [0, 1]}
   CHECK(a.err.find("10 steps have weakly active contacts, the first at t = 0 s (floor)") != std::string::npos);
 }
 
+TEST_CASE(
+    "orthant gradient: elements without a name, defaults, ends of a range; what it refuses, in the file's words") {
+  const Cli folder;
+  const std::string ball = R"(gravity = [0, -9.81]
+duration = 1
+step = 1e-3
+[[body]]
+name = "b"
+mass = 1
+inertia = 0.1
+position = [0, 0.5]
+velocity = [1, 0]
+[[contact]]
+type = "disc-wall"
+body = "b"
+radius = 0.1
+wall = {normal = [0, 1]}
+mu = 0.3
+e_n = 1
+[[load]]
+body = "b"
+force = [1, 0]
+)";
+  folder.write("ball.toml", ball);
+  const Reply a = folder.orthant(
+      "gradient ball.toml --of b.x --wrt "
+      "'contact.contact1.e_t,load.load1.force[0],load.load1.force[1],contact.contact1.e_n,body.b.omega,"
+      "load.load1.torque,contact.contact1.wall.point[0]'");
+  REQUIRE(a.exit_code == 0);
+  CHECK(a.err.find("contact.contact1.e_n = 1 is at the end of its range: the derivative is one-sided") !=
+        std::string::npos);
+  CHECK(lines(a.err) == 1);
+  double end[2];
+  for (int k = 0; k < 2; ++k)
+    end[k] =
+        nlohmann::json::parse(
+            folder.orthant("simulate ball.toml --json --set contact.contact1.e_t=" + std::string(k ? "1e-6" : "-1e-6"))
+                .out)
+            .at("final")
+            .at("b.x")
+            .get<double>();
+  CHECK(std::abs(number_behind(a.out, "d b.x / d contact.contact1.e_t") - (end[1] - end[0]) / 2e-6) < 1e-6);
+  CHECK(std::abs(number_behind(a.out, "d b.x / d contact.contact1.wall.point[0]")) < 1e-9);
+  CHECK(folder.orthant("gradient ball.toml --of b.x --wrt contact.contact1.nothing").exit_code == 1);
+
+  const Reply full = folder.orthant(
+      "gradient ball.toml --of b.x --wrt contact.contact1.mu --integrator "
+      "moreau-jean:form=full");
+  CHECK(full.exit_code == 1);
+  CHECK(full.err.find("form = full: must be reduced") != std::string::npos);
+  folder.write("rubs.toml", ball +
+                                "[[joint]]\ntype = \"prismatic\"\nname = \"rail\"\nbodies = [\"ground\", \"b\"]\n"
+                                "[[friction]]\nname = \"rub\"\njoint = \"rail\"\nbound = 0.1\n");
+  const Reply rubs = folder.orthant("gradient rubs.toml --of b.x --wrt body.b.mass --integrator event-driven");
+  CHECK(rubs.exit_code == 1);
+  CHECK(rubs.err.find("the [[friction]] 'rub' has no derivatives") != std::string::npos);
+}
+
+TEST_CASE("orthant gradient: derivatives that exceed the range of numbers, and grazes, are errors with a reason") {
+  const Cli folder;
+  const std::string tower = "gradient tower --of body1.x --wrt start.body1.vx --duration 1 --step 1e-3";
+  const Reply a = folder.orthant(tower), b = folder.orthant(tower + " --json");
+  for (const Reply& reply : {a, b}) {
+    CHECK(reply.exit_code != 0);
+    CHECK((reply.err + reply.out).find("exceed the range of numbers") != std::string::npos);
+    CHECK(reply.out.find("null") == std::string::npos);
+  }
+  folder.write("graze.toml", R"([[body]]
+name = "b"
+mass = 1
+inertia = 0.1
+position = [0, 0.6]
+velocity = [1, -1]
+[[load]]
+body = "b"
+force = [0, 1]
+[[contact]]
+name = "f"
+type = "disc-wall"
+body = "b"
+radius = 0.1
+wall = {normal = [0, 1]}
+)");
+  const Reply c = folder.orthant(
+      "gradient graze.toml --of b.y --wrt start.b.vy --integrator event-driven --step 1 "
+      "--duration 2");
+  CHECK(c.exit_code != 0);
+  CHECK(c.err.find("graze") != std::string::npos);
+}
+
 TEST_CASE("orthant lyapunov: the exponents of the impact oscillator, and what it refuses") {
   const Cli folder;
   const Reply a = folder.orthant(

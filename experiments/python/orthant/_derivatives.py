@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Optional, Sequence, Union
 
 from . import _orthant
@@ -122,6 +123,8 @@ def sensitivity(problem: Problem, result: Result) -> Sensitivity:
     """
     if not isinstance(problem, Problem):
         raise TypeError(f"problem = {shown(problem)}: must be a Problem, such as orthant.Problem(M, q)")
+    if not isinstance(result, Result):
+        raise TypeError(f"result = {shown(result)}: must be a Result, such as orthant.solve(problem)")
     return Sensitivity(problem, result)
 
 
@@ -192,16 +195,18 @@ class _Call:
 
     def forward(self, of: list[str], wrt: list[str]) -> tuple[Any, ...]:
         integrator, solver, step, duration, every = self.how
-        t, values, by, status, why, degenerate, inconsistent = _orthant._gradient(
+        t, values, by, status, why, degenerate, inconsistent, warnings = _orthant._gradient(
             *self.scene, of, wrt, integrator, solver, step, duration, every)
         _arrived(status, why)
+        _warn([], 0, warnings)
         return t, values, by, degenerate, inconsistent
 
     def reverse(self, of: list[str], wrt: list[str], weights: Any, total: bool) -> tuple[Any, ...]:
         integrator, solver, step, duration, every = self.how
-        t, values, by, status, why, degenerate, inconsistent = _orthant._vjp_of_run(
+        t, values, by, status, why, degenerate, inconsistent, warnings = _orthant._vjp_of_run(
             *self.scene, of, wrt, integrator, solver, step, duration, every, weights, total)
         _arrived(status, why)
+        _warn([], 0, warnings)
         return t, values, by, degenerate, inconsistent
 
 
@@ -244,7 +249,7 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
         end, values, by, degenerate, inconsistent = call.reverse(columns, parameters, None, at == "sum")
         import numpy
 
-        _warn(degenerate, inconsistent)
+        _warn(degenerate, inconsistent, [])
         return RunGradient(of, parameters, numpy.array([end]), values, by, degenerate, inconsistent)
     t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
     values, by = values[:, 0], by[:, 0, :]
@@ -252,7 +257,7 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
         t, values, by = t[-1:], values[-1:], by[-1:]
     if at == "sum":
         t, values, by = t[-1:], values.sum(keepdims=True), by.sum(axis=0, keepdims=True)
-    _warn(degenerate, inconsistent)
+    _warn(degenerate, inconsistent, [])
     return RunGradient(of, parameters, t, values, by, degenerate, inconsistent)
 
 
@@ -285,6 +290,9 @@ def jvp(scene: Any, of: Union[str, Sequence[str]], change: Mapping[str, float], 
     `gradient`."""
     call = _Call(scene, **{**_HOW, **how})
     columns, parameters = _words("of", of), [word("change", key) for key in change]
+    for key, value in change.items():
+        if not math.isfinite(value):
+            raise ValueError(f"change[{key!r}] = {shown(value)}: must be a finite number")
     t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
     import numpy
 
@@ -320,17 +328,19 @@ def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], 
 _HOW: dict[str, Any] = {"integrator": "moreau-jean", "solver": "auto", "step": None, "duration": None, "every": 1}
 
 
-def _warn(degenerate: list[tuple[float, list[str]]], inconsistent: int) -> None:
+def _warn(degenerate: list[tuple[float, list[str]]], inconsistent: int, others: Sequence[str]) -> None:
     """What `orthant gradient` warns of."""
     import warnings
 
     from ._simulate import OrthantWarning
 
+    for words in others:
+        warnings.warn(words, OrthantWarning, stacklevel=4)
     if degenerate:
         t, contacts = degenerate[0]
         warnings.warn(
             f"{len(degenerate)} steps have weakly active contacts, the first at t = {t:g} s ({contacts[0]}): only "
-            "one-sided derivatives exist, these hold such contacts as they are", OrthantWarning, stacklevel=3)
+            "one-sided derivatives exist, these hold such contacts as they are", OrthantWarning, stacklevel=4)
     if inconsistent > 0:
         warnings.warn(f"in {inconsistent} steps a parameter parts redundant contacts: there is no derivative",
-                      OrthantWarning, stacklevel=3)
+                      OrthantWarning, stacklevel=4)

@@ -199,5 +199,5 @@ wall = {point = [0, 0], normal = [0, 1]}
   CHECK_THROWS_AS(differentiate_run(resting, {}, full, *solver, clock), std::invalid_argument);
   const std::vector<RunParameter> at_its_end = {
       {"e", 1, [&](double x) { return from_text(text)({override_text("contact.floor.e_n", x)}); }}};
-  CHECK_THROWS_AS(differentiate_run(resting, at_its_end, {}, *solver, clock), std::invalid_argument);
+  CHECK(differentiate_run(resting, at_its_end, {}, *solver, clock).warnings.size() == 1);
 }
