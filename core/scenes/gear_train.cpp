@@ -32,7 +32,8 @@ spatial::Scene gear_train(const GearTrain& p) {
     if (i == 0)
       s.joint(spatial::Drive{"motor", turn, {.amplitude = p.amplitude, .omega = p.omega, .table = {}}});
     else
-      s.contact_set(spatial::meshing("teeth" + number, spatial::Gear({}, last, turn, i % 2 == 1 ? -2.0 / 3 : -1.5), p.play, {.e = p.e}));
+      s.contact_set(spatial::meshing("teeth" + number, spatial::Gear({}, last, turn, i % 2 == 1 ? -2.0 / 3 : -1.5),
+                                     p.play, {.e = p.e}));
     if (i + 1 == p.wheels && p.brake > 0) s.friction({.name = "brake", .of = turn, .bound = p.brake});
     last = turn, last_radius = radius;
   }

@@ -28,8 +28,8 @@ std::vector<std::string> body_columns(const spatial::Scene& scene);
 void append_bodies(const System& system, const State& x, std::vector<double>& row);
 void append_bodies(const SystemOf<Spatial>& system, const State& x, std::vector<double>& row);
 
-/// NAME.force_x, force_y [N] and NAME.moment [N m] of each joint; in space force_z, too, and moment_x, moment_y, moment_z
-/// (integrators/reactions.h).
+/// NAME.force_x, force_y [N] and NAME.moment [N m] of each joint; in space force_z, too, and moment_x, moment_y,
+/// moment_z (integrators/reactions.h).
 std::vector<std::string> reaction_columns(const Scene& scene);
 std::vector<std::string> reaction_columns(const spatial::Scene& scene);
 /// Whether these are the columns of a run of the scene, with reactions or without.

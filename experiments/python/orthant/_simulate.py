@@ -37,9 +37,9 @@ def simulate(scene: Union[Scene, str, os.PathLike[str]], *, integrator: str = "m
     warning) or "stop" (the run ends before it).
     check: repeat the run with a tighter tolerance, or smaller steps; summary["check"] then has, by column, "error" (an
     estimate) and "digits" (significant decimal digits that agree) of the last state.
-    reactions: columns of the joints' reaction forces, too: NAME.force_x, NAME.force_y [N], NAME.moment [N m] of what the
-    first body exerts on the second one, about the joint's point, the mean since the record before; in space three of
-    each.
+    reactions: columns of the joints' reaction forces, too: NAME.force_x, NAME.force_y [N], NAME.moment [N m] of what
+    the first body exerts on the second one, about the joint's point, the mean since the record before; in space three
+    of each.
     A run that fails ends with its status and words; ValueError names what is wrong with the arguments.
     What `orthant simulate` warns of is an OrthantWarning here, and in the run's `warnings`.
     """
