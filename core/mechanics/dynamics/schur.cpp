@@ -75,6 +75,12 @@ template <class Space> template <class F> decltype(auto) SchurOf<Space>::with_pa
   if (pairs_ == 2) return apart_ == 2 ? f(Pairs<2, 2>{}) : f(Pairs<2>{});
   if (pairs_ == 3) return apart_ >= 2 ? f(Pairs<3, 2>{}) : f(Pairs<3>{});
   if (pairs_ == 4) return apart_ >= 2 ? f(Pairs<4, 2>{}) : f(Pairs<4>{});
+  if constexpr (!kPlanar<Space>) {  // a revolute joint has five rows
+    if (pairs_ == 5) return f(Pairs<5>{});
+    if (pairs_ == 6) return f(Pairs<6>{});
+    if (pairs_ == 7) return f(Pairs<7>{});
+    if (pairs_ == 8) return f(Pairs<8>{});
+  }
   return f(AnyPairs{pairs_, first_.data()});
 }
 
