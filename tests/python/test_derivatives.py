@@ -87,6 +87,8 @@ def test_refusals_name_the_argument():
     result = orthant.solve(problem)
     with pytest.raises(TypeError, match="problem"):
         orthant.sensitivity(np.eye(2), result)
+    with pytest.raises(TypeError, match="result = None: must be a Result"):
+        orthant.sensitivity(problem, None)
     s = orthant.sensitivity(problem, result)
     with pytest.raises(ValueError, match="dq"):
         s.jvp(dq=[1.0])
@@ -137,6 +139,9 @@ def test_gradients_warn_as_the_command_does():
     with pytest.warns(orthant.OrthantWarning,
                       match=r"^10 steps have weakly active contacts, the first at t = 0 s \(floor\)"):
         assert len(orthant.gradient(ball, "ball.y", "body.ball.mass").degenerate) == 10
+    elastic = orthant.Scene.named("bouncing_ball", e=1.0)
+    with pytest.warns(orthant.OrthantWarning, match="e = 1 is at the end of its range: the derivative is one-sided"):
+        orthant.gradient(elastic, "ball.y", "e", duration=0.01)
 
 
 def test_gradients_refuse_in_words():
@@ -146,7 +151,7 @@ def test_gradients_refuse_in_words():
         orthant.gradient("slider_crank", "crank.theta", "mu", integrator="rattle")
     with pytest.raises(ValueError, match="parameter 'nu'"):
         orthant.gradient("slider_crank", "crank.theta", "nu")
-    with pytest.raises(ValueError, match="both sides"):
+    with pytest.raises(ValueError, match="mu must be > 0"):
         orthant.gradient(orthant.Scene.named("slider_crank", mu=0.0), "crank.theta", "mu", duration=1e-4)
 
 
@@ -187,6 +192,8 @@ def test_products_with_the_jacobian_of_a_run_and_its_transpose():
         run.vjp({"crank.theta": weights[:-1]}, "mu")
     with pytest.raises(ValueError, match="mode"):
         run.gradient("crank.theta", "mu", mode="reverse")
+    with pytest.raises(ValueError, match=r"change\['mu'\] = nan: must be a finite number"):
+        run.jvp(columns, {"mu": float("nan")})
 
 
 @pytest.mark.parametrize("framework", ["torch", "jax"])
