@@ -97,13 +97,18 @@ void MotionVariation::cross_knot(const Arc& after) {
 }
 
 /// Contacts that come within rounding of a touch in the arc and turn back: the integrator does not see them touch.
-void MotionVariation::watch_grazes(const Arc& arc) {
+void MotionVariation::watch_grazes(const Arc& arc, std::span<const Event> at_end) {
   base_.set_modes(arc.modes);
   for (int c = 0; c < system_.contacts(); ++c) {
     if (arc.modes[static_cast<std::size_t>(c)].lasting) continue;
     const double end = arc.start + arc.length, h = arc.length, zero = kGrazedUnseen * base_.gap_scale(c, end, arc.q1);
     const double g0 = base_.gap(c, arc.start, arc.q0), g1 = base_.gap(c, end, arc.q1);
     const double r0 = base_.gap_rate(c, arc.start, arc.q0, arc.v0), r1 = base_.gap_rate(c, end, arc.q1, arc.v1);
+    const double back = base_.gap_acceleration(c, end, arc.q1, arc.v1, arc.a1);
+    if (g0 > zero && g1 <= zero && back > 0 && std::abs(r1) <= 2 * std::sqrt(2 * back * zero) && result_.none.empty() &&
+        std::ranges::none_of(at_end, [c](const Event& event) { return event.contact == c; }))
+      result_.none =
+          "at t = " + detail::text_of(end) + " s contact " + name(c) + " comes within rounding of a touch (a graze)";
     if (!(g0 > zero && g1 > zero && r0 < 0 && r1 > 0)) continue;
     const auto slope = [&](double s) {  // of the cubic through both ends, times h
       return 6 * s * (s - 1) * (g0 - g1) + (3 * s - 1) * (s - 1) * h * r0 + s * (3 * s - 2) * h * r1;

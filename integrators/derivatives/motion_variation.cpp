@@ -71,7 +71,7 @@ void MotionVariation::pass(const Arc& arc, std::span<const Event> events) {
     for (const Event& event : events) (!begun_ && event.t <= arc.start ? events_ : after).push_back(event);
     begun_ ? cross(arc) : start(arc);
     begun_ = true;
-    watch_grazes(arc);
+    watch_grazes(arc, after);
     each([&](VariedDirection& d, auto dq, auto dv) {
       const Eigen::VectorXd from_q = dq, from_v = dv;
       map(d, arc.q0, arc.v0, from_q, from_v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {

@@ -98,7 +98,7 @@ class MotionVariation {
   void slips(const Arc& after, Crossing& crossing);
   bool jumps(const Arc& after) const;
   void cross_knot(const Arc& after);
-  void watch_grazes(const Arc& arc);
+  void watch_grazes(const Arc& arc, std::span<const Event> at_end);
   void reset(const Crossing& crossing, const Arc& after);
   void check_reset(const Crossing& crossing, const Arc& after);
   double change_of_time(VariedDirection& d, const Crossing& crossing, const Eigen::VectorXd& rate,

@@ -272,7 +272,7 @@ e_n = 0.4
   const auto of = [&](const std::string& text, double speed) {
     const MotionTrial trial{"body.b.velocity", "[1, ", "]", speed};
     return differentiate_motion(System(from_text(text)({set_of(trial, speed)})), parameters_of(text, {trial}), {},
-                                *solver, 2);
+                                *solver, 4, 0.5);
   };
   for (const char* height : {"0.6", "1.3", "5.1"}) {  // v² = 2 a h
     std::string at = graze;
