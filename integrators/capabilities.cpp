@@ -8,18 +8,10 @@
 namespace orthant {
 namespace {
 
-/// "moreau-jean, adaptive": those with the feature.
-std::string able(bool Capabilities::*feature) {
-  std::string names;
-  for (const IntegratorEntry& entry : integrators())
-    if (entry.can.*feature) names += (names.empty() ? "" : ", ") + std::string(entry.name);
-  return names;
-}
-
 [[noreturn]] void refuse(std::string_view integrator, const std::string& what, const std::string& rule,
                          bool Capabilities::*feature) {
   throw std::invalid_argument("integrator " + std::string(integrator) + ": " + what + " must be " + rule +
-                              ", or the integrator one of " + able(feature));
+                              ", or the integrator one of " + integrators_that_take(feature));
 }
 
 template <class Scene> void check_impact_laws(const Scene& scene, std::string_view integrator) {
@@ -64,6 +56,13 @@ template <class Scene> void check_turning_friction(const Scene& scene, std::stri
 }
 
 }  // namespace
+
+std::string integrators_that_take(bool Capabilities::*feature) {
+  std::string names;
+  for (const IntegratorEntry& entry : integrators())
+    if (entry.can.*feature) names += (names.empty() ? "" : ", ") + std::string(entry.name);
+  return names;
+}
 
 template <class Space> void check(const SystemOf<Space>& system, std::string_view integrator, const Capabilities& can) {
   if (!can.impact_laws) check_impact_laws(system.scene(), integrator);

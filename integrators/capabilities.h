@@ -3,6 +3,7 @@
 
 #include <orthant/core/mechanics/dynamics/system.h>
 
+#include <string>
 #include <string_view>
 
 namespace orthant {
@@ -14,6 +15,7 @@ struct Capabilities {
   bool turning_friction = false;       // rolling and spinning friction of contacts, in space
   bool error_control = false;          // divides the step that it is given, to a tolerance
   bool threads = true;                 // solves islands of bodies at the same time
+  bool pyramids = true;                // pyramids in place of friction discs, the solvers' option facets
   bool space = false;                  // dimension = 3; set by the registry
 
   /// v(name, field, words) over all of them.
@@ -24,9 +26,13 @@ struct Capabilities {
     v("turning_friction", turning_friction, "rolling, spinning friction");
     v("error_control", error_control, "controls its step");
     v("threads", threads, "threads");
+    v("pyramids", pyramids, "solver option `facets`");
     v("space", space, "`dimension = 3`");
   }
 };
+
+/// "moreau-jean, adaptive": those with the feature.
+std::string integrators_that_take(bool Capabilities::*feature);
 
 /// Throws std::invalid_argument with field, value, rule and the integrators that do, where the scene has a feature that
 /// `integrator` does not take.

@@ -20,6 +20,13 @@ template <class Space> void IntegratorOf<Space>::employ(std::vector<std::unique_
   pool_ = std::make_unique<SolverPool>(std::move(helpers));
 }
 
+template <class Space> void IntegratorOf<Space>::check_pyramids(const Solver& solver) const {
+  if (kPlanar<Space> || takes_pyramids_ || solver.pyramid_sides() == 0) return;
+  throw std::invalid_argument("solver option facets = " + std::to_string(solver.pyramid_sides()) +
+                              ": must be 0 with integrator " + name_ + ", or the integrator one of " +
+                              integrators_that_take(&Capabilities::pyramids));
+}
+
 template <class Space> bool IntegratorOf<Space>::fail(StepReport& report, Status status, std::string why) {
   report.status = status;
   why_ = std::move(why);

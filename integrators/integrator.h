@@ -83,7 +83,9 @@ template <class Space> class IntegratorOf {
       : system_(system),
         gaps_(Eigen::VectorXd::Zero(system.contacts())),
         impulses_(static_cast<std::size_t>(system.contacts())),
-        frictions_(system.scene().frictions.size()) {
+        frictions_(system.scene().frictions.size()),
+        name_(name),
+        takes_pyramids_(can.pyramids) {
     check(system, name, can);
   }
   IntegratorOf(const IntegratorOf&) = delete;
@@ -114,6 +116,10 @@ template <class Space> class IntegratorOf {
   /// and these, one thread each. They should be solvers like that one: then every result is the same to the last bit,
   /// however many they are. For the schemes of fixed step; stages of impacts (impact.h) stay with the one solver.
   void employ(std::vector<std::unique_ptr<Solver>> helpers);
+
+  /// Throws std::invalid_argument with option, value and rule where the solver has pyramids in place of friction discs
+  /// (Solver::set_pyramids) and the scheme's own formulas hold the disc, or other edges.
+  void check_pyramids(const Solver& solver) const;
 
   /// Whether the scheme divides the step that it is given: then the step bounds no penetration.
   virtual bool controls_step() const { return false; }
@@ -155,6 +161,8 @@ template <class Space> class IntegratorOf {
   std::string why_;
 
  private:
+  std::string name_;
+  bool takes_pyramids_;
   const Budget* budget_ = nullptr;
   std::unique_ptr<SolverPool> pool_;
 };

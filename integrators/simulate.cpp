@@ -262,6 +262,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
   if (restart.every < 0 || (restart.every > 0 && !restart.save))
     throw std::invalid_argument("restart.every = " + std::to_string(restart.every) +
                                 ": must be >= 0, and with it something that saves");
+  integrator.check_pyramids(solver);
   const SystemOf<Space>& system = integrator.system();
   Run run;
   run.final = system.initial_state();

@@ -231,7 +231,47 @@ Solver& Solver::with_discs() {
   return *discs_;
 }
 
+struct Solver::FixedPyramids {
+  FacetForm form;
+  Solution linear;
+};
+
+Solver::Solver() {
+  judge_.set_stop([this] { return budget_.exhausted(); });
+}
+Solver::~Solver() = default;
+
+void Solver::set_pyramids(int sides) {
+  if (sides != 0 && sides < 3)
+    throw std::invalid_argument("option facets = " + std::to_string(sides) + ": must be 0 (discs) or in [3, 1024]");
+  pyramid_sides_ = sides;
+}
+
+/// The linear form's status and residual are the answer's: the judge has seen that form. A proof keeps the entries of
+/// the problem's own rows.
+const Solution& Solver::solve_pyramids(const Lcp& problem, Solution& s) {
+  if (!fixed_pyramids_) fixed_pyramids_ = std::make_unique<FixedPyramids>();
+  const Lcp& linear = fixed_pyramids_->form.linear(problem, pyramid_sides_);
+  Solution& found = fixed_pyramids_->linear;
+  solve_checked(linear, found, Start::cold);
+  fixed_pyramids_->form.restore(problem, found.z, s.z);
+  s.w.resize(problem.size());
+  multiply(problem.A, s.z, s.w, scratch_);
+  s.w += problem.b;
+  s.status = found.status, s.residual = found.residual, s.rounding = found.rounding, s.coarse = found.coarse;
+  s.iterations = found.iterations, s.factorizations = found.factorizations, s.factorized_rows = found.factorized_rows;
+  s.miss = found.miss, s.miss.row = fixed_pyramids_->form.row_of(problem, found.miss.row);
+  s.certificate.resize(0), s.ray.resize(0), s.cells.clear();
+  if (found.certificate.size() == linear.size())
+    fixed_pyramids_->form.restore_certificate(problem, found.certificate, s.certificate);
+  return s;
+}
+
 std::string Solver::refusal(const Lcp& problem) {
+  if (problem.discs() && pyramid_sides_ > 0) {
+    FacetForm form;
+    return why_not(form.linear(problem, pyramid_sides_));
+  }
   return problem.discs() && !takes_discs() ? with_discs().why_not(problem) : why_not(problem);
 }
 
@@ -250,6 +290,7 @@ const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start
 const Solution& Solver::solve(const Lcp& problem, Solution& s, Start start) {
   check(problem);
   judge_.forget();
+  if (problem.discs() && pyramid_sides_ > 0) return solve_pyramids(problem, s);
   if (problem.discs() && !takes_discs()) return solve_discs(problem, s, start);
   return solve_checked(problem, s, start);
 }

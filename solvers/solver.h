@@ -19,12 +19,10 @@ enum class Start { cold, warm };  // warm: solution.z on entry is a guess, where
 
 class Solver {
  public:
-  Solver() {
-    judge_.set_stop([this] { return budget_.exhausted(); });
-  }
+  Solver();
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
-  virtual ~Solver() = default;
+  virtual ~Solver();
 
   /// Runs the method, then lets the judge decide: `solved`, `rounded` and `infeasible` come from certify() alone.
   /// Data that are not finite give numerical_error; a malformed problem throws std::invalid_argument.
@@ -38,6 +36,11 @@ class Solver {
   /// On problems with friction discs (Friction::rows > 1) for_discs() answers, or the method itself with the discs as
   /// pyramids (cones/facets.h): where it has neither, this is of how many sides.
   void set_facets(int sides) { facets_ = sides, discs_.reset(); }
+
+  /// From now on each friction disc is a pyramid of so many sides that stands still (cones/facets.h): another law, and
+  /// its answers are judged by it. 0: discs, as at first. Throws std::invalid_argument for less than 3 sides.
+  void set_pyramids(int sides);
+  int pyramid_sides() const { return pyramid_sides_; }
 
   /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
   void set_time_limit(double seconds) { time_limit_ = seconds; }
@@ -106,6 +109,7 @@ class Solver {
   void search_cells(const Lcp& problem, Solution& s, const Budget& share);
   const Solution& solve_checked(const Lcp& problem, Solution& solution, Start start);
   const Solution& solve_discs(const Lcp& problem, Solution& solution, Start start);
+  const Solution& solve_pyramids(const Lcp& problem, Solution& solution);
   Solver& with_discs();
   /// Residual below which no further attempt is made. A method that must reach more than is required says so here:
   /// an answer between the two is taken only when its further attempts do no better.
@@ -129,6 +133,9 @@ class Solver {
   IterationLog* log_ = nullptr;
   std::unique_ptr<Solver> discs_;  // what answers for friction discs
   int facets_ = 16;
+  struct FixedPyramids;
+  std::unique_ptr<FixedPyramids> fixed_pyramids_;  // made when first needed
+  int pyramid_sides_ = 0;                          // 0: discs
 };
 
 /// For solvers that hand a problem to another one: its result as a claim, and its proof or ray into s.

@@ -91,6 +91,15 @@ class SolidSketch {
     add_ring(c.centre_a + c.along * c.axis_a, x, y, c.radius_a, corners_[c.a]);
     reach(c.a, c.centre_a, c.radius_a), shape(c.a), link(c.a, c.centre_a), link(c.b, c.centre_b);
   }
+  void operator()(const spatial::SphereBush& c) {  // the ball, and its circle in the cylinder at the start
+    sphere(c.a, c.centre_a, c.radius_a);
+    const Vector3d x = spatial::perpendicular(c.axis_b), y = c.axis_b.cross(x);
+    std::vector<Vector3d> circle;
+    add_ring(c.centre_b + level(c) * c.axis_b, x, y, c.radius_b, circle);
+    for (std::size_t i = 0; i < circle.size(); ++i)
+      all_.push_back({c.b, drawn::Capsule{circle[i], circle[(i + 1) % circle.size()], kThin * c.radius_b}});
+    reach(c.b, c.centre_b, c.radius_b);
+  }
   void operator()(const spatial::EllipsoidPlane& c) {
     const Matrix3d R = quaternions::matrix_of(c.orientation);
     for (const Vector3d& d : spiral()) corners_[c.a].push_back(c.centre + R * c.semi_axes.cwiseProduct(d));
@@ -154,6 +163,17 @@ class SolidSketch {
   }
 
  private:
+  /// [m] of a ball along its bush's axis, from the bush's centre, in the initial poses.
+  double level(const spatial::SphereBush& c) const {
+    const auto pose = [&](BodyId b) {
+      return b == kGround ? std::pair{Vector3d(0, 0, 0), Matrix3d(Matrix3d::Identity())}
+                          : std::pair{scene_.bodies[static_cast<std::size_t>(b)].position,
+                                      quaternions::matrix_of(scene_.bodies[static_cast<std::size_t>(b)].orientation)};
+    };
+    const auto [x_a, R_a] = pose(c.a);
+    const auto [x_b, R_b] = pose(c.b);
+    return c.axis_b.dot(R_b.transpose() * (x_a + R_a * c.centre_a - x_b) - c.centre_b);
+  }
   struct Wall {
     BodyId body;
     Vector3d point, normal;

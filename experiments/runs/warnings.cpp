@@ -119,17 +119,101 @@ std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system) {
   return remarks;
 }
 
-std::vector<std::string> warnings_of(const SystemOf<Spatial>& system, const Run& run, std::string_view /*integrator*/,
-                                     double /*step*/) {
-  std::vector<std::string> all;
-  add_energy(system.scene(), run, all);
-  add_passages(system.scene(), run, all);
-  add_rounded(run, all), add_plastic(run, all);
-  for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
-  return all;
+namespace {
+
+constexpr std::size_t entry_of(BodyId b) { return static_cast<std::size_t>(b); }
+
+template <class Space> void add_mass_ratios(const SystemOf<Space>& system, std::vector<std::string>& to) {
+  const auto& bodies = system.scene().bodies;
+  std::vector<std::size_t> light(bodies.size()), heavy(bodies.size());  // of each cluster, by its first body
+  for (std::size_t b = 0; b < bodies.size(); ++b) light[b] = heavy[b] = b;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::size_t first = entry_of(system.cluster()[b]);
+    if (bodies[b].mass < bodies[light[first]].mass) light[first] = b;
+    if (bodies[b].mass > bodies[heavy[first]].mass) heavy[first] = b;
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (const double ratio = bodies[heavy[b]].mass / bodies[light[b]].mass; ratio > kMassRatio)
+      to.push_back(words_of("\"", bodies[heavy[b]].name, "\" has ", ratio, " times the mass of \"",
+                            bodies[light[b]].name, "\": beyond ", kMassRatio,
+                            " contacts between such bodies may not be solved"));
 }
 
-std::vector<std::string> warnings_of(const System& system, const Run& run, std::string_view integrator, double step) {
+void add_crossings(const Run& run, std::vector<std::string>& to) {
+  if (run.crossings == 0) return;
+  to.push_back(words_of("crowds of events, or instants without a single answer, were crossed in ", run.crossings,
+                        run.crossings == 1 ? " step" : " steps",
+                        " of first order, whatever the tolerance: the motion may depend on that; they leave ",
+                        run.error_estimate, " m or rad, which it may magnify"));
+}
+
+template <class Space> void add_rounding(const SystemOf<Space>& system, const Run& run, std::vector<std::string>& to) {
+  double far = 0, turned = 0;
+  for (const State& x : {system.initial_state(), run.final})
+    for (Index b = 0; b < std::ssize(system.scene().bodies); ++b) {
+      far = std::max(far, orthant::place_of<Space>(x.q, b).template lpNorm<Eigen::Infinity>());
+      if constexpr (kPlanar<Space>) turned = std::max(turned, std::abs(x.q[3 * b + 2]));
+    }
+  if (far > kFar)
+    to.push_back(words_of("bodies are ", far, " m from the origin: places are rounded to ", far * 0x1p-52,
+                          " m, rates to that over the step"));
+  if (turned > kFar)
+    to.push_back(words_of("bodies are turned by ", turned, " rad: angles are rounded to ", turned * 0x1p-52,
+                          " rad, rates to that over the step"));
+}
+
+/// [rad] ω h of a spring between two bodies; 0 of one between joints.
+template <class Body, class Spring>
+double swing_of(const std::vector<Body>& bodies, const Spring& spring, double step) {
+  if constexpr (requires { spring.a; }) {
+    constexpr bool turns = !requires { spring.point_a; };
+    const auto inverse = [&](BodyId b) {
+      if (b < 0) return 0.0;
+      if constexpr (turns)
+        return 1 / bodies[entry_of(b)].inertia;
+      else
+        return 1 / bodies[entry_of(b)].mass;
+    };
+    return step * std::sqrt(spring.stiffness * (inverse(spring.a) + inverse(spring.b)));
+  }
+  return 0;
+}
+
+template <class Space>
+void add_coarse_steps(const SystemOf<Space>& system, const Run& run, double step, std::vector<std::string>& to) {
+  const auto& bodies = system.scene().bodies;
+  for (const auto& spring : system.scene().springs)
+    if (const double angle = std::visit([&](const auto& s) { return swing_of(bodies, s, step); }, spring);
+        angle > kSwing)
+      to.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring), "\" swings by ",
+                            angle, " rad in a step: its motion is not resolved, and near contacts energy may rise"));
+  double turn = 0;
+  std::size_t fastest = 0;
+  for (const State& x : {system.initial_state(), run.final})
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      constexpr Index n = Space::kVelocities, places = kPlanar<Space> ? 2 : 3;
+      const double by = step * x.v.segment(n * static_cast<Index>(b) + places, n - places).norm();
+      if (by > turn) turn = by, fastest = b;
+    }
+  if (turn > kTurn)
+    to.push_back(words_of("\"", bodies[fastest].name, "\" turns by ", turn, " rad in a step: a smaller step is right"));
+}
+
+}  // namespace
+
+template <class Space> std::vector<std::string> limits_entered(const SystemOf<Space>& system, const Run& run,
+                                                               std::string_view integrator, double step) {
+  std::vector<std::string> limits;
+  add_mass_ratios(system, limits);
+  add_crossings(run, limits);
+  add_rounding(system, run, limits);
+  if (!integrator.starts_with("adaptive") && !integrator.starts_with("event-driven"))
+    add_coarse_steps(system, run, step, limits);
+  return limits;
+}
+
+template <class Space> std::vector<std::string> warnings_of(const SystemOf<Space>& system, const Run& run,
+                                                            std::string_view integrator, double step) {
   std::vector<std::string> all;
   add_energy(system.scene(), run, all);
   add_passages(system.scene(), run, all);
@@ -139,66 +223,11 @@ std::vector<std::string> warnings_of(const System& system, const Run& run, std::
   return all;
 }
 
-std::vector<std::string> limits_entered(const System& system, const Run& run, std::string_view integrator,
-                                        double step) {
-  std::vector<std::string> limits;
-  const auto& bodies = system.scene().bodies;
-  const auto at = [](BodyId b) { return static_cast<std::size_t>(b); };
-  std::vector<std::size_t> light(bodies.size()), heavy(bodies.size());  // of each cluster, by its first body
-  for (std::size_t b = 0; b < bodies.size(); ++b) light[b] = heavy[b] = b;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const std::size_t first = at(system.cluster()[b]);
-    if (bodies[b].mass < bodies[light[first]].mass) light[first] = b;
-    if (bodies[b].mass > bodies[heavy[first]].mass) heavy[first] = b;
-  }
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (const double ratio = bodies[heavy[b]].mass / bodies[light[b]].mass; ratio > kMassRatio)
-      limits.push_back(words_of("\"", bodies[heavy[b]].name, "\" has ", ratio, " times the mass of \"",
-                                bodies[light[b]].name, "\": beyond ", kMassRatio,
-                                " contacts between such bodies may not be solved"));
-  if (run.crossings > 0)
-    limits.push_back(words_of("crowds of events, or instants without a single answer, were crossed in ", run.crossings,
-                              run.crossings == 1 ? " step" : " steps",
-                              " of first order, whatever the tolerance: the motion may depend on that; they leave ",
-                              run.error_estimate, " m or rad, which it may magnify"));
-  double far = 0, turned = 0;
-  for (const State& x : {system.initial_state(), run.final})
-    for (Index i = 0; i < x.q.size(); ++i) {
-      double& most = i % 3 != 2 ? far : turned;
-      most = std::max(most, std::abs(x.q[i]));
-    }
-  if (far > kFar)
-    limits.push_back(words_of("bodies are ", far, " m from the origin: places are rounded to ", far * 0x1p-52,
-                              " m, rates to that over the step"));
-  if (turned > kFar)
-    limits.push_back(words_of("bodies are turned by ", turned, " rad: angles are rounded to ", turned * 0x1p-52,
-                              " rad, rates to that over the step"));
-  if (integrator.starts_with("adaptive") || integrator.starts_with("event-driven")) return limits;
-
-  const auto swing = [&](const auto& spring) {
-    if constexpr (requires { spring.a; }) {  // others hang between joints
-      constexpr bool turns = !requires { spring.point_a; };
-      const auto inverse = [&](BodyId b) {
-        return b < 0 ? 0 : 1 / (turns ? bodies[at(b)].inertia : bodies[at(b)].mass);
-      };
-      return step * std::sqrt(spring.stiffness * (inverse(spring.a) + inverse(spring.b)));
-    }
-    return 0.0;
-  };
-  for (const Spring& spring : system.scene().springs)
-    if (const double angle = std::visit(swing, spring); angle > kSwing)
-      limits.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring), "\" swings by ",
-                                angle,
-                                " rad in a step: its motion is not resolved, and near contacts energy may rise"));
-  double turn = 0;
-  std::size_t fastest = 0;
-  for (const State& x : {system.initial_state(), run.final})
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-      if (const double by = step * std::abs(x.v[static_cast<Index>(3 * b + 2)]); by > turn) turn = by, fastest = b;
-  if (turn > kTurn)
-    limits.push_back(
-        words_of("\"", bodies[fastest].name, "\" turns by ", turn, " rad in a step: a smaller step is right"));
-  return limits;
-}
+#define ORTHANT_WARNINGS(Space)                                                                                   \
+  template std::vector<std::string> limits_entered(const SystemOf<Space>&, const Run&, std::string_view, double); \
+  template std::vector<std::string> warnings_of(const SystemOf<Space>&, const Run&, std::string_view, double);
+ORTHANT_WARNINGS(Planar)
+ORTHANT_WARNINGS(Spatial)
+#undef ORTHANT_WARNINGS
 
 }  // namespace orthant

@@ -25,11 +25,11 @@ std::vector<Remark> remarks_on_start(const System& system);
 std::vector<Remark> remarks_on_start(const SystemOf<Spatial>& system);
 
 /// All warnings of a run that has ended, limits_entered() among them.
-std::vector<std::string> warnings_of(const System& system, const Run& run, std::string_view integrator, double step);
-std::vector<std::string> warnings_of(const SystemOf<Spatial>& system, const Run& run, std::string_view integrator,
-                                     double step);
+template <class Space> std::vector<std::string> warnings_of(const SystemOf<Space>& system, const Run& run,
+                                                            std::string_view integrator, double step);
 
 /// In words, each limit that the run has entered; of schemes that choose their steps the step counts for nothing.
-std::vector<std::string> limits_entered(const System& system, const Run& run, std::string_view integrator, double step);
+template <class Space> std::vector<std::string> limits_entered(const SystemOf<Space>& system, const Run& run,
+                                                               std::string_view integrator, double step);
 
 }  // namespace orthant

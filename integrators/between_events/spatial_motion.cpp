@@ -215,6 +215,11 @@ double SpatialMotion::pace(int contact, const Eigen::VectorXd& v) const {
           const Vector3d axis = c.rim_of_pin ? bush.turn(c.axis_b) : pin.turn(c.axis_a);
           const Vector3d way = twist_of(v, a, terms_.at).at(rim - pin.x) - twist_of(v, b, terms_.at).at(rim - bush.x);
           return std::max(turning, axis.cross(way).norm() / (c.radius_b - c.radius_a));
+        } else if constexpr (std::is_same_v<Kind, spatial::SphereBush>) {  // past the bush, square to its axis
+          const Vector3d u = terms_.at.at(c.b).turn(c.axis_b), arm = terms_.at.at(c.a).turn(c.centre_a);
+          const Vector3d past = twist_of(v, c.a, terms_.at).at(arm) -
+                                twist_of(v, c.b, terms_.at).at(terms_.at.at(c.a).x + arm - terms_.at.at(c.b).x);
+          return std::max(turning, (past - u.dot(past) * u).norm() / (c.radius_b - c.radius_a));
         } else {
           return sharpness(c, terms_.at) * turning;
         }

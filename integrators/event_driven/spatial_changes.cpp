@@ -313,7 +313,7 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
     for (std::size_t i = 0; i < touching_.size(); ++i) {
       const Impulse& push = stepping_.impulses()[i];
       impulses_[i].normal += push.normal, impulses_[i].tangent += push.tangent;
-      bounces_[i] = {};
+      bounces_[i] = {}, bounces_[i].end = time_;
       touching_[i] = bounces_[i].over = push.normal > 0 && now_.w.gap_rate[static_cast<Index>(i)] <= slow;
       any = any || touching_[i];
     }

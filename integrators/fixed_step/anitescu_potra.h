@@ -25,7 +25,7 @@ template <class Space> class AnitescuPotraOf final : public StewartTrinkleOf<Spa
   using System = SystemOf<Space>;
   using Options = VelocitySteppingOptions;
   static constexpr std::string_view kName = "anitescu-potra";
-  static constexpr Capabilities kCan{.impact_laws = false};
+  static constexpr Capabilities kCan{.impact_laws = false, .pyramids = false};
   explicit AnitescuPotraOf(const System& system, const Options& options = {})
       : StewartTrinkleOf<Space>(system, options, Cone::relaxed, kName, kCan) {}
 };

@@ -73,6 +73,8 @@ Measured<Vector3d> measured(const spatial::Contact& contact) {
     return {socket->radius_b - socket->radius_a, OverlapScale::clearance};
   if (const auto* pin = std::get_if<spatial::PinBush>(&contact))
     return {pin->radius_b - pin->radius_a, OverlapScale::clearance};
+  if (const auto* ball = std::get_if<spatial::SphereBush>(&contact))
+    return {ball->radius_b - ball->radius_a, OverlapScale::clearance};
   if (const auto* s = std::get_if<spatial::SphereSphere>(&contact)) return {std::min(s->radius_a, s->radius_b)};
   if (const auto* s = std::get_if<spatial::SpherePlane>(&contact))
     return {s->radius > 0 ? s->radius : kInf, OverlapScale::body, s->normal};

@@ -1,3 +1,4 @@
+#include <orthant/integrators/step/disc_cases.h>
 #include <orthant/integrators/step/formulate.h>
 #include <orthant/integrators/step/no_solution_message.h>
 
@@ -43,6 +44,11 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
         elastic = false, ++report.plastic;
         continue;
       }
+      if constexpr (!kPlanar<Space>)
+        if (precise_ && (status == Status::stalled || status == Status::ray) && excludes_all_cases(problem_.whole())) {
+          solution_.certificate.resize(0), solution_.ray.resize(0);
+          solution_.status = report.status = Status::infeasible;
+        }
       // Without a combination of rows that contradicts itself it is friction that leaves this step no solution. That
       // says nothing of the motion, which another step or scheme may find; of an exact motion it does.
       if (!precise_ && status == Status::infeasible && solution_.certificate.size() != problem_.size())

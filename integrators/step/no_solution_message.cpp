@@ -34,6 +34,11 @@ std::string why_relaxed(const std::vector<std::string>& contacts, const std::str
          ": a contact that slides must open in this scheme; a shorter step, or a scheme with Coulomb's law, goes on";
 }
 
+std::string why_no_case(Index rows, const std::string& when) {
+  return "friction leaves the step's problem of " + std::to_string(rows) + " rows without a solution" + when +
+         " (every case of open, sticking and sliding contacts was tried): a shorter step, or another scheme, may go on";
+}
+
 }  // namespace
 
 std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, const StepProblem& problem,
@@ -46,10 +51,7 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
   if (status == Status::infeasible && u.size() != problem.size())
-    return "friction leaves the step's problem of " + std::to_string(problem.size()) + " rows without a solution" +
-           when +
-           " (every case of open, sticking and sliding contacts was tried): a shorter step, or another scheme, may go "
-           "on";
+    return why_no_case(problem.size(), when);
   if (status != Status::infeasible)
     return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +
@@ -74,6 +76,7 @@ std::string why_unsolved(const SystemOf<Spatial>& system, const std::vector<Pair
            " has no normal: its centres, or points, are in one place";
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
+  if (status == Status::infeasible && solution.certificate.size() == 0) return why_no_case(problem.size(), when);
   if (deficiency.relaxed() && solution.certificate.size() == problem.size())
     return why_relaxed(contacts_of_proof<Spatial>(system, pairs, problem, solution.certificate), when);
   return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +

@@ -77,6 +77,13 @@ void FacetForm::restore(const Lcp& p, const Vector& y, Vector& z) const {
   }
 }
 
+Index FacetForm::row_of(const Lcp& p, Index linear_row) const {
+  if (linear_row < 0) return -1;
+  for (const Disc& disc : discs_)
+    if (linear_row >= disc.first && linear_row <= disc.first + sides_) return p.friction[at(disc.friction)].first;
+  return std::find(row_.begin(), row_.end(), linear_row) - row_.begin();
+}
+
 void FacetForm::restore_certificate(const Lcp& p, const Vector& linear_u, Vector& u) const {
   u.resize(p.size());
   for (Index i = 0; i < p.size(); ++i) u[i] = row_[at(i)] >= 0 ? linear_u[row_[at(i)]] : 0;

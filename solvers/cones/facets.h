@@ -8,6 +8,7 @@
 //   slip, and solves again: there the corner has the disc's own answer. The turns are those of regula falsi, per
 //   contact, for the angle between corner and slip. The judge checks the disc alone: the answer is `solved` if it
 //   satisfies the law of the disc.
+//   Solver::set_pyramids() (option facets of each solver): the pyramid's answer is the wanted one, and judged as such.
 //   Source: Stewart & Trinkle, Int. J. Numer. Meth. Engng 39 (1996).
 #pragma once
 
@@ -21,6 +22,8 @@ class FacetForm {
   const Lcp& linear(const Lcp& problem, int sides, const std::vector<double>& angle = {}, bool circumscribed = false);
   /// z of the problem last given to linear() from one of the linear form.
   void restore(const Lcp& problem, const Vector& y, Vector& z) const;
+  /// The problem's row that a row of the linear form stands for: of β and λ the disc's first; −1 of −1.
+  Index row_of(const Lcp& problem, Index linear_row) const;
   /// The linear form's proof of infeasibility as one for the problem, where the pyramid holds the cone.
   void restore_certificate(const Lcp& problem, const Vector& linear_u, Vector& u) const;
 

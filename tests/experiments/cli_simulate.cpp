@@ -218,6 +218,47 @@ TEST_CASE("a run beyond a limit of the numbers is warned of that limit by name, 
               "crowds of events, or instants without a single answer, were crossed in "));
 }
 
+TEST_CASE("a run in space beyond a limit of the numbers is warned of that limit, and its events have times") {
+  const Cli folder;
+  const auto holds = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  // Painlevé's rod in space: no acceleration at the start.
+  folder.write(
+      "rod.toml",
+      "dimension = 3\ngravity = [0, 0, -9.81]\nduration = 0.01\nstep = 1e-3\n[[body]]\nname = 'rod'\nmass = 1\n"
+      "inertia = [0.01, 0.3333333333333333, 0.3333333333333333]\nposition = [0, 0, 0.8944271909999159]\n"
+      "angle = 1.1071487177940904\naxis = [0, 1, 0]\nvelocity = [1, 0, 0]\n"
+      "[[contact]]\ntype = 'corner-wall'\nname = 'tip'\nbody = 'rod'\npoint = [1, 0, 0]\n"
+      "wall = {body = 'ground', point = [0, 0, 0], normal = [0, 0, 1]}\nmu = 1.5\n");
+  const Reply crossed = folder.orthant("simulate rod.toml --integrator adaptive --json");
+  INFO(crossed.err);
+  REQUIRE(crossed.exit_code == 0);
+  const auto json = nlohmann::json::parse(crossed.out);
+  REQUIRE(json.at("crossings").get<long>() > 0);
+  REQUIRE(json.at("warnings").size() == 1);
+  CHECK(holds(json.at("warnings")[0].get<std::string>(),
+              "crowds of events, or instants without a single answer, were crossed in "));
+  REQUIRE(!json.at("event_table").empty());
+  for (const auto& event : json.at("event_table")) CHECK(event.at("t").is_number());
+
+  const auto scene = [&](const std::string& mass, const std::string& place, const std::string& spin,
+                         const std::string& stiffness) {
+    folder.write(
+        "limits.toml",
+        "dimension = 3\nduration = 0.01\nstep = 1e-3\n[[body]]\nname = 'light'\nmass = 1\ninertia = [1, 1, 1]\n"
+        "position = [0, " +
+            place + ", 0]\nomega = [0, " + spin + ", 0]\n[[body]]\nname = 'heavy'\nmass = " + mass +
+            "\ninertia = [1, 1, 1]\n[[spring]]\ntype = 'point'\nname = 's'\nbodies = ['light', 'heavy']\n"
+            "point_a = [0, 0, 0]\npoint_b = [0, 0, 0]\nstiffness = " +
+            stiffness + "\n");
+    return folder.orthant("simulate limits.toml").err;
+  };
+  CHECK(scene("1e8", "1", "400", "4e5").empty());
+  CHECK(holds(scene("1e10", "1", "0", "0"), "\"heavy\" has 1e+10 times the mass of \"light\""));
+  CHECK(holds(scene("1", "2e5", "0", "0"), "bodies are 200000 m from the origin"));
+  CHECK(holds(scene("1", "1", "600", "0"), "\"light\" turns by 0.6 rad in a step"));
+  CHECK(holds(scene("1", "1", "0", "2e6"), "spring \"s\" swings by 2 rad in a step"));
+}
+
 TEST_CASE("orthant simulate: trajectories as HDF5 and for ParaView hold what the CSV does") {
   const Cli folder;
   for (const char* file : {"run.csv", "run.h5", "run.pvd"})

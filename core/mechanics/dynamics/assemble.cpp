@@ -35,7 +35,8 @@ void replace_far_turns(const SystemOf<Spatial>& system, TermsOf<Spatial>& terms)
 /// A joint with clearance.
 bool has_clearance(const Contact& contact) { return std::holds_alternative<Journal>(contact); }
 bool has_clearance(const spatial::Contact& contact) {
-  return std::holds_alternative<spatial::Socket>(contact) || std::holds_alternative<spatial::PinBush>(contact);
+  return std::holds_alternative<spatial::Socket>(contact) || std::holds_alternative<spatial::PinBush>(contact) ||
+         std::holds_alternative<spatial::SphereBush>(contact);
 }
 
 void put(Body& body, const Eigen::VectorXd& q, BodyId i) {

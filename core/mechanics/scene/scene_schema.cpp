@@ -140,6 +140,7 @@ constexpr std::array kSamplesInSpace = {
     "SURFACE\ntype = 'sphere-sphere'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.1",
     "SURFACE\ntype = 'socket'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.2",
     "SURFACE\ntype = 'pin-bush'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nradius_a = 0.1\nradius_b = 0.2\nlength_a = 1",
+    "SURFACE\ntype = 'sphere-bush'\nbodies = ['a', 'b']\nradius_a = 0.1\nradius_b = 0.2\naxis_b = [0, 0, 1]",
     "SURFACE\ntype = 'block-channel'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nup = [0, 0, 1]\nsize = [1, 1, 1]\nwidth = "
     "2\nheight = 2",
     "PIN[[contact]]\ntype = 'limit'\njoint = 'pin'\nlower = -1",

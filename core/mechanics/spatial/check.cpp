@@ -61,6 +61,7 @@ template <class T> void examine_places(const SpatialElement& e, const T& x) {
   if constexpr (requires { x.point_a; }) e.finite("point_a", x.point_a), e.finite("point_b", x.point_b);
   if constexpr (requires { x.axis; }) e.unit("axis", x.axis);
   if constexpr (requires { x.axis_a; }) e.unit("axis_a", x.axis_a), e.unit("axis_b", x.axis_b);
+  if constexpr (std::is_same_v<T, SphereBush>) e.unit("axis_b", x.axis_b);
   if constexpr (requires { x.orientation; }) e.unit("orientation", x.orientation);
   if constexpr (requires { x.reference_a; }) {
     const auto square = [&](const char* field, const Vector3d& reference, const Vector3d& axis) {
@@ -128,7 +129,7 @@ template <class T> void examine(const SpatialElement& e, const T& x) {
     examine_coordinate(e, x.first), examine_coordinate(e, x.second);
     e.finite("offset", x.offset);
   }
-  if constexpr (std::is_same_v<T, Socket> || std::is_same_v<T, PinBush>)
+  if constexpr (std::is_same_v<T, Socket> || std::is_same_v<T, PinBush> || std::is_same_v<T, SphereBush>)
     e.require(x.radius_b > x.radius_a, "radius_b", x.radius_b, "> radius_a = " + e.text(x.radius_a));
   if constexpr (requires { x.law.mu_static; }) e.law(x.law);
   if constexpr (std::is_same_v<T, Limit>) {

@@ -33,6 +33,7 @@
 #include <orthant/core/mechanics/spatial/rim_plane.h>
 #include <orthant/core/mechanics/spatial/screw.h>
 #include <orthant/core/mechanics/spatial/socket.h>
+#include <orthant/core/mechanics/spatial/sphere_bush.h>
 #include <orthant/core/mechanics/spatial/sphere_plane.h>
 #include <orthant/core/mechanics/spatial/sphere_sphere.h>
 #include <orthant/core/mechanics/spatial/spherical.h>
@@ -62,7 +63,8 @@ struct Body {
 
 using Joint = std::variant<Revolute, Prismatic, Fixed, Distance, Drive, Spherical, Cylindrical, Universal, PlaneJoint,
                            PointInPlane, PointOnLine, Screw, Gear>;
-using Contact = std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane, PinBush, Backlash>;
+using Contact =
+    std::variant<SpherePlane, SphereSphere, Socket, Limit, EllipsoidPlane, RimPlane, PinBush, Backlash, SphereBush>;
 using Spring = std::variant<PointSpring, JointSpring, Drag>;
 
 struct Scene {
@@ -102,7 +104,7 @@ struct Scene {
 /// Throws SceneError (scene/scene.h) naming element, field, value and rule: masses > 0, inertia tensors symmetric with
 /// positive moments that a body can have (no one larger than the sum of the others), unit quaternions and directions,
 /// finite numbers, two different bodies that exist, radii > 0 (of a sphere against a plane ≥ 0), a socket wider than
-/// its ball, a bush than its pin, a pitch ≠ 0, shapes that are a sphere, a capsule of some length or a polytope of some
+/// its ball, a bush than its pin or ball, a pitch ≠ 0, shapes that are a sphere, a capsule of some length or a polytope of some
 /// volume without a radius, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at least
 /// one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);

@@ -119,7 +119,9 @@ std::string table_of(const std::vector<ExactCase>& all, const std::vector<CaseRo
     std::vector<bool> named(by_solver.size());
     for (std::size_t i = 0; i < by_solver.size(); ++i) {
       const std::string& solver = by_solver[i].first;
-      const std::string column = !exact_case.has_contacts() ? "no contacts" : solver.substr(0, solver.find(':'));
+      const std::string column = !exact_case.has_contacts() ? "no contacts"
+                                 : exact_case.pyramids      ? "pyramids"
+                                                            : solver.substr(0, solver.find(':'));
       if (std::find(columns.begin(), columns.end(), column) == columns.end()) columns.push_back(column);
       auto& [passed, run] = tally[rows[first].integrator][column];
       ++run, passed += verdict(exact_case, by_solver[i].second) == "pass";

@@ -40,6 +40,7 @@ struct ExactCase {
 
   std::vector<std::string> solvers{};  // run with these only; empty: with all
   std::string integrator{};            // likewise
+  bool pyramids = false;               // in place of discs: only by schemes that take them
 
   /// In space, instead of `error`: of one state.
   std::function<double(const SystemOf<Spatial>&, const State&)> error_in_space{};

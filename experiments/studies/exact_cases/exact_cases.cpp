@@ -10,6 +10,7 @@
 // Nothing is left out: a case that does not pass says why.
 #include "experiments/runs/manifest.h"
 #include "experiments/studies/exact_cases/case_results.h"
+#include "experiments/studies/exact_cases/pyramid_paths.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/fit_order.h"
@@ -24,6 +25,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <thread>
@@ -50,7 +52,8 @@ std::vector<Setting> ladder(const ExactCase& exact_case, const std::string& inte
   }
   for (int k = 0; k < levels; ++k) {
     if (by_tolerance(integrator)) {
-      const double tolerance = std::pow(10.0, levels == 1 ? -8 : -3 - 6.0 * k / (levels - 1));
+      const double finest = exact_case.in_space() && integrator == "event-driven" ? -11 : -9;
+      const double tolerance = std::pow(10.0, levels == 1 ? -8 : -3 + (finest + 3) * k / (levels - 1));
       const std::string spec =
           integrator + ":rtol=" + detail::text_of(tolerance) + ",atol=" + detail::text_of(tolerance / 1000);
       settings.push_back({tolerance, spec, exact_case.duration / 100});
@@ -163,7 +166,7 @@ CaseRow bisect(const ExactCase& exact_case, const std::string& solver, const Set
 }
 
 struct Plan {
-  std::vector<std::string> solvers, only;
+  std::vector<std::string> solvers, only, integrators;  // empty: all
   int levels = 6;
   double time_limit = 20;
   unsigned jobs = 1;
@@ -179,7 +182,10 @@ std::vector<CaseRow> visit_all(const Plan& plan, const std::vector<ExactCase>& a
   for (std::size_t i = 0; i < all.size(); ++i)
     for (const IntegratorEntry& entry : integrators()) {
       if (!all[i].integrator.empty() && entry.name != all[i].integrator) continue;
+      if (!plan.integrators.empty() && std::ranges::find(plan.integrators, entry.name) == plan.integrators.end())
+        continue;
       if (all[i].in_space() && !entry.can.space) continue;
+      if (all[i].pyramids && !entry.can.pyramids) continue;
       std::vector<std::string> solvers = plan.solvers;
       if (!all[i].has_contacts()) solvers.resize(1);  // there is nothing to solve
       if (!all[i].solvers.empty()) solvers = all[i].solvers;
@@ -219,6 +225,9 @@ std::vector<CaseRow> visit_all(const Plan& plan, const std::vector<ExactCase>& a
 
 void run(const std::filesystem::path& output, const Plan& plan, int dimension, const std::string& command_line) {
   for (const std::string& solver : plan.solvers) make_solver(solver);  // bad names before hours of work
+  for (const std::string& name : plan.integrators)
+    if (std::ranges::none_of(integrators(), [&](const IntegratorEntry& entry) { return entry.name == name; }))
+      throw std::invalid_argument("--integrators = " + name + ": must be names of integrators (orthant list)");
   std::vector<ExactCase> all = dimension == 2 ? exact_cases() : exact_cases_in_space();
   if (!plan.only.empty())
     std::erase_if(all, [&](const ExactCase& e) {
@@ -228,6 +237,11 @@ void run(const std::filesystem::path& output, const Plan& plan, int dimension, c
   std::filesystem::create_directories(output);
   check_writable(output / "runs.csv");
   report(output, all, visit_all(plan, all));
+  if (std::ranges::any_of(all, &ExactCase::pyramids)) {
+    const std::string paths = pyramid_paths();
+    write_whole(output / "pyramids.md", paths);
+    std::cout << paths;
+  }
   auto about = manifest();
   about["command"] = command_line;
   write_whole(output / "manifest.json", about.dump(2) + "\n");
@@ -249,6 +263,7 @@ int main(int argc, char** argv) {
       "--solvers", plan.solvers,
       "NAME[:option=value,...] ...; default: lemke path pgs newton-fb auto, in space auto prox pgs newton-ac");
   app.add_option("--cases", plan.only, "numbers of cases (B1 B13 ...); all when not given");
+  app.add_option("--integrators", plan.integrators, "by these only; all when not given");
   app.add_option("--levels", plan.levels, "step sizes, each half of the one before")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();

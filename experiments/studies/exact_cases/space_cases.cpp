@@ -1,9 +1,9 @@
-#include "experiments/studies/exact_cases/exact_case.h"
+#include "experiments/studies/exact_cases/space_groups.h"
 
-#include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/scenes/bennett.h>
 #include <orthant/core/scenes/bouncing_ball.h>
 #include <orthant/core/scenes/bricard.h>
+#include <orthant/core/scenes/cross_slope.h>
 #include <orthant/core/scenes/flyball.h>
 #include <orthant/core/scenes/masse.h>
 #include <orthant/core/scenes/slider_crank_exact.h>
@@ -12,7 +12,6 @@
 #include <orthant/core/scenes/top.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace orthant {
 namespace {
@@ -20,26 +19,6 @@ namespace {
 using Energy = ExactCase::Energy;
 using Kind = ExactCase::Motion;
 using System = SystemOf<Spatial>;
-
-constexpr double kPi = std::numbers::pi;
-
-Vector3d place(const State& x, Index body = 0) { return place_of<Spatial>(x.q, body); }
-Vector3d velocity(const State& x, Index body = 0) { return translation<Spatial>(x.v, body); }
-
-KinematicsOf<Spatial> poses(const System& system, const State& x) {
-  KinematicsOf<Spatial> k;
-  set_poses(system, x.t, x.q, k);
-  set_twists(system, x.v, k);
-  return k;
-}
-
-/// Angle of a revolute joint, in (−π, π].
-double angle(const System& system, const State& x, std::size_t joint) {
-  return std::get<spatial::Revolute>(system.scene().joints[joint]).angle().value(poses(system, x));
-}
-
-/// |a − b| up to whole turns.
-double apart(double a, double b) { return std::abs(std::remainder(a - b, 2 * kPi)); }
 
 struct Ball {
   Vector3d position, velocity, omega;
@@ -229,21 +208,25 @@ void sliding(std::vector<ExactCase>& all) {
                  .duration = 1,
                  .h = 4e-3,
                  .error_in_space = [=](const System&, const State& x) { return (place(x) - at(x.t)).norm(); }});
-  // v = v₀ tan^k(φ/2) / sin φ for φ between slip and the line of descent, k = μ / tan α, from φ = 90° to rest at 0.
-  const double alpha = kPi / 6, mu = 0.8, k = mu / std::tan(alpha), speed = 1, g = 9.81, pull = g * std::sin(alpha);
-  spatial::Scene slope;
-  slope.gravity = {0, -pull, -g * std::cos(alpha)};
-  const auto block = slope.body({.name = "block", .velocity = {speed, 0, 0}});
-  slope.contact(spatial::SpherePlane{"slope", block, {0, 0, 0}, 0, kGround, {0, 0, 0}, {0, 0, 1}, {.mu = mu}});
-  const double length = speed * speed / pull;
-  const Vector3d stops(length * 2 * k / (4 * k * k - 1), -length / (4 * (k * k - 1)), 0);
-  all.push_back({.id = "S12",
-                 .title = "block sent across a slope: a disc bends its path until it stops",
-                 .measure = "error of the place where it stops [m]",
-                 .scene = slope,
-                 .duration = 0.5,
-                 .h = 1e-2,
-                 .error_in_space = [=](const System&, const State& x) { return (place(x) - stops).norm(); }});
+  const CrossSlope slope;
+  const SlopeStop stop = *stop_on_slope(slope);
+  const auto block = [&](const std::string& id, const std::string& title, const Vector3d& stops) {
+    all.push_back({.id = id,
+                   .title = title,
+                   .measure = "error of the place where it stops [m]",
+                   .scene = cross_slope(slope),
+                   .duration = 0.4,
+                   .h = 1e-2,
+                   .error_in_space = [=](const System&, const State& x) { return (place(x) - stops).norm(); }});
+  };
+  block("S12", "block sent across a slope: a disc bends its path until it stops", stop.place);
+  for (const int sides : {4, 8, 16}) {
+    const std::string facets = std::to_string(sides);
+    block("S12", "the same with a pyramid of " + facets + " facets, by the pyramid's own path",
+          stop_on_slope(slope, sides)->place);
+    all.back().solvers = {"lemke:facets=" + facets, "path:facets=" + facets, "pgs:facets=" + facets};
+    all.back().pyramids = true;
+  }
   // The centre's velocity turns at 2/7 Ω about n.
   const double Omega = 3.5, R = 0.1, w = 2.0 / 7 * Omega;
   const Vector3d centre(0.2, -0.1, 0), start(0.3, 0.1, 0), surface = Omega * n.cross(-centre);
@@ -289,6 +272,10 @@ std::vector<ExactCase> exact_cases_in_space() {
   colliding_balls(all);
   sliding(all);
   plane_in_space(all);
+  spinning_cases(all);
+  rolling_cases_in_space(all);
+  wall_cases(all);
+  rod_cases(all);
   return all;
 }
 

@@ -54,6 +54,7 @@ double clearance_of(const Contact& contact) {
 double clearance_of(const spatial::Contact& contact) {
   if (const auto* c = std::get_if<spatial::Socket>(&contact)) return c->radius_b - c->radius_a;
   if (const auto* c = std::get_if<spatial::PinBush>(&contact)) return c->radius_b - c->radius_a;
+  if (const auto* c = std::get_if<spatial::SphereBush>(&contact)) return c->radius_b - c->radius_a;
   return kInf;
 }
 bool limits_angle(const Contact& contact) {

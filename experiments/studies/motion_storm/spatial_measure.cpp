@@ -171,6 +171,10 @@ struct SpatialGap {
   double operator()(const spatial::Socket& c) const {
     return c.radius_b - c.radius_a - (at.at(c.a, c.centre_a) - at.at(c.b, c.centre_b)).norm();
   }
+  double operator()(const spatial::SphereBush& c) const {
+    const Vector3d d = at.at(c.a, c.centre_a) - at.at(c.b, c.centre_b);
+    return c.radius_b - c.radius_a - at.turn(c.b, c.axis_b).cross(d).norm();
+  }
   double operator()(const spatial::EllipsoidPlane& c) const {
     const Vector3d n = at.turn(c.b, c.normal);
     double square = 0;

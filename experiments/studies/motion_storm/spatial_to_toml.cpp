@@ -126,6 +126,7 @@ struct WriteSpatialContact {
   }
   void operator()(const spatial::SphereSphere& c) { centres(c, "sphere-sphere"); }
   void operator()(const spatial::Socket& c) { centres(c, "socket"); }
+  void operator()(const spatial::SphereBush& c) { centres(c, "sphere-bush"), t.vector("axis_b", c.axis_b); }
   void operator()(const spatial::PinBush& c) {
     centres(c, "pin-bush"), t.vector("axis", c.axis_a), t.vector("axis_b", c.axis_b);
     t.number(c.rim_of_pin ? "length_a" : "length_b", -2 * c.along);

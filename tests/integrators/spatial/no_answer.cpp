@@ -92,3 +92,42 @@ TEST_CASE("Painlevé in space: a tip at rest may open, stick or slide off, and a
     CHECK(forces[2] == doctest::Approx(slid).epsilon(1e-12));
   }
 }
+
+TEST_CASE(
+    "a ball falls into a groove in space: friction that jams it and restitution contradict each other as in the "
+    "plane") {
+  const double steep = 0.35;  // [rad] from the vertical: friction holds what lies there from its tangent on
+  const auto fall = [&](double mu, double e, std::string_view integrator) {
+    const double g = 9.81;
+    spatial::Scene s;
+    s.gravity = kOblique * Vector3d(0, -g, 0);
+    const auto ball = s.body({.name = "ball",
+                              .mass = 1,
+                              .inertia = Vector3d::Constant(0.004).asDiagonal(),
+                              .position = kOblique * Vector3d(0, 0.5, 0)});
+    for (const double side : {-1.0, 1.0})
+      s.contact(spatial::SpherePlane{side < 0 ? "left" : "right",
+                                     ball,
+                                     {0, 0, 0},
+                                     0.1,
+                                     kGround,
+                                     {0, 0, 0},
+                                     kOblique * Vector3d(side * std::cos(steep), std::sin(steep), 0),
+                                     {.mu = mu, .e = e}});
+    return one_step(s, 0.5, integrator);
+  };
+  const double jams = std::tan(steep);
+  for (const char* integrator : {"event-driven", "adaptive"}) {
+    CAPTURE(integrator);
+    CHECK(fall(0.99 * jams, 0.5, integrator).status == Status::solved);
+    CHECK(fall(1.01 * jams, 0, integrator).status == Status::solved);
+    for (const double mu : {1.01 * jams, 0.8}) {
+      CAPTURE(mu);
+      const Run none = fall(mu, 0.2, integrator);
+      CHECK(none.status == Status::infeasible);
+      CHECK(
+          none.why.starts_with("friction jams contacts \"left\", \"right\", which restitution throws apart: no "
+                               "impulse satisfies Newton's law and Coulomb's there"));
+    }
+  }
+}

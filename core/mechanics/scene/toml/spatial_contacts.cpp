@@ -221,13 +221,20 @@ void SpatialReader::contact(Fields& f) {
       f.refuse("orientation", *f.table().get("orientation"), "a quaternion [w, x, y, z], not zero");
     c.orientation.normalize();
     scene_.contact(c);
-  } else if (type == "sphere-sphere" || type == "socket") {
+  } else if (type == "sphere-sphere" || type == "socket" || type == "sphere-bush") {
     const auto read = [&](auto c) {
       points_of(f, c), f.maybe("centre_a", c.centre_a), f.maybe("centre_b", c.centre_b);
+      if constexpr (requires { c.axis_b; })
+        if (!f.direction("axis_b", c.axis_b, true)) f.miss("axis_b");
       f.need("radius_a", c.radius_a), f.need("radius_b", c.radius_b), read_contact_law(f, c.law);
       scene_.contact(c);
     };
-    type == "socket" ? read(spatial::Socket{.name = name}) : read(spatial::SphereSphere{.name = name});
+    if (type == "socket")
+      read(spatial::Socket{.name = name});
+    else if (type == "sphere-bush")
+      read(spatial::SphereBush{.name = name});
+    else
+      read(spatial::SphereSphere{.name = name});
   } else if (type == "pin-bush") {
     pin_bush(f, name);
   } else if (type == "block-channel") {
@@ -246,7 +253,7 @@ void SpatialReader::contact(Fields& f) {
   } else {
     f.refuse("type", *f.table().get("type"),
              "sphere-wall, corner-wall, box-wall, polytope-wall, rim-wall, cylinder-wall, cone-wall, ellipsoid-wall, "
-             "sphere-sphere, socket, pin-bush, block-channel, backlash, limit or rope");
+             "sphere-sphere, socket, pin-bush, sphere-bush, block-channel, backlash, limit or rope");
   }
 }
 

@@ -291,6 +291,10 @@ TEST_CASE("mistakes in screws, gears, racks, pins and channels are named") {
   has(teeth + "play = 0.1\nmu = 0.3\n", "mu");
   has(pin + "radius_b = 1\nlength_a = 1\n", "radius_b = 1: must be > radius_a = 1");
   has(pin + "radius_b = 2\nlength_a = -1\n", "length_a = -1: must be > 0");
+  const std::string bush = "[[contact]]\ntype = 'sphere-bush'\nbodies = ['a', 'b']\nradius_a = 1\n";
+  has(bush + "radius_b = 2\n", "missing key \"axis_b\"");
+  has(bush + "radius_b = 2\naxis_b = [0, 0, 0]\n", "must be a direction, not zero");
+  has(bush + "radius_b = 0.9\naxis_b = [0, 0, 1]\n", "radius_b = 0.9: must be > radius_a = 1");
   const std::string block =
       "[[contact]]\ntype = 'block-channel'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nsize = [1, 1, "
       "1]\nheight = 2\n";
