@@ -25,10 +25,10 @@ template <class Space, class What> Run with_reactions(const SystemOf<Space>& sys
                   [&](const RunSampleOf<Space>& moment) { what(moment, reactions.next(moment)); });
 }
 
-AnyScene scene_of(const std::string& text) { return parse_any_scene(text, {}, "scene.toml"); }
+AnyScene reaction_scene(const std::string& text) { return parse_any_scene(text, {}, "scene.toml"); }
 
 /// A rod of 2 kg and 1 m on a pin at the origin, its centre 0.5 m away, released at 60 degrees below the horizontal.
-const std::string kRod =
+const std::string kPinnedRod =
     "gravity = [0, -9.81]\n[[body]]\nname = 'rod'\nmass = 2\ninertia = 0.2\nposition = [0.25, -0.4330127018922193]\n"
     "angle = -1.0471975511965976\n[[joint]]\nname = 'pin'\ntype = 'revolute'\nbodies = ['ground', 'rod']\n"
     "point_b = [-0.5, 0]\n";
@@ -38,7 +38,7 @@ const std::string kRod =
 TEST_CASE("the pin of a swinging rod holds it with m (a - g): error of second order, no moment, friction or none") {
   for (const std::string friction : {"", "[[friction]]\njoint = 'pin'\nbound = 0.7\n"}) {
     CAPTURE(friction);
-    const System system(std::get<Scene>(scene_of(kRod + friction)));
+    const System system(std::get<Scene>(reaction_scene(kPinnedRod + friction)));
     for (const std::string_view integrator : {"moreau-jean", "rattle", "generalized-alpha", "event-driven"}) {
       if (!friction.empty() && integrator == "event-driven") continue;
       CAPTURE(integrator);
@@ -64,7 +64,7 @@ TEST_CASE("the pin of a swinging rod holds it with m (a - g): error of second or
 }
 
 TEST_CASE("a door at rest hangs on its hinge in space: its weight, and the moment that keeps it from tipping") {
-  const SpatialSystem system(std::get<spatial::Scene>(scene_of(
+  const SpatialSystem system(std::get<spatial::Scene>(reaction_scene(
       "dimension = 3\ngravity = [0, 0, -10]\n[[body]]\nname = 'door'\nmass = 20\ninertia = [6.7, 8.3, 1.7]\n"
       "position = [0.5, 0, 1]\n[[joint]]\ntype = 'revolute'\nname = 'hinge'\nbodies = ['ground', 'door']\n"
       "point_b = [-0.5, 0, -1]\naxis = [0, 0, 1]\n[[joint]]\ntype = 'drive'\nname = 'hand'\njoint = 'hinge'\n")));
@@ -81,7 +81,7 @@ TEST_CASE("a door at rest hangs on its hinge in space: its weight, and the momen
 }
 
 TEST_CASE("reactions in an impact with friction balance the momentum of a body on a ball joint") {
-  const SpatialSystem system(std::get<spatial::Scene>(scene_of(
+  const SpatialSystem system(std::get<spatial::Scene>(reaction_scene(
       "dimension = 3\ngravity = [0, 0, -9.81]\n[[body]]\nname = 'club'\nmass = 3\ninertia = [0.1, 0.2, 0.25]\n"
       "position = [0.6, 0, 0]\nomega = [2, 0.5, 1]\n[[joint]]\ntype = 'spherical'\nname = 'ball'\n"
       "bodies = ['ground', 'club']\npoint_b = [-0.6, 0, 0]\n[[contact]]\ntype = 'sphere-wall'\nbody = 'club'\n"

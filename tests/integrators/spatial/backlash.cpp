@@ -14,15 +14,15 @@ using namespace orthant;
 
 namespace {
 
-constexpr std::string_view kAllEight[] = {"moreau-jean",       "stewart-trinkle", "anitescu-potra", "paoli-schatzman",
-                                          "generalized-alpha", "rattle",          "adaptive",       "event-driven"};
+constexpr std::string_view kToothed[] = {"moreau-jean",       "stewart-trinkle", "anitescu-potra", "paoli-schatzman",
+                                         "generalized-alpha", "rattle",          "adaptive",       "event-driven"};
 
-spatial::Scene scene_of(const std::string& text) {
+spatial::Scene toothed_scene(const std::string& text) {
   return std::get<spatial::Scene>(parse_any_scene(text, {}, "teeth.toml"));
 }
 
 /// Two wheels on parallel axes, 20 teeth on 30, and their rates.
-std::string wheels(double first, double second) {
+std::string two_wheels(double first, double second) {
   const auto wheel = [](const std::string& name, double x, double J, double omega) {
     const std::string at = std::to_string(x);
     return "[[body]]\nname = '" + name + "'\nmass = 1\ninertia = " + std::to_string(J) + "\nposition = [" + at +
@@ -32,13 +32,13 @@ std::string wheels(double first, double second) {
   };
   return "dimension = 3\n" + wheel("one", 0, 0.02, first) + wheel("two", 0.1, 0.05, second);
 }
-std::string teeth(double play, double e) {
+std::string playing_teeth(double play, double e) {
   return "[[contact]]\nname = 'teeth'\ntype = 'backlash'\njoints = ['one_axis', 'two_axis']\nteeth = [20, 30]\nplay "
          "= " +
          std::to_string(play) + "\ne_n = " + std::to_string(e) + "\n";
 }
 
-double angle_of(const SpatialSystem& system, const State& state, std::size_t joint) {
+double revolute_angle(const SpatialSystem& system, const State& state, std::size_t joint) {
   return std::get<spatial::Revolute>(system.scene().joints[joint]).angle().value(poses_of(system, state));
 }
 
@@ -55,15 +55,15 @@ TEST_CASE("a driven wheel strikes the free one across the play, ever more slowly
     rate = rate > -v ? -v - slip : -v + slip;
   }
   expected += rate * (end - now);
-  for (const std::string_view integrator : kAllEight) {
+  for (const std::string_view integrator : kToothed) {
     CAPTURE(integrator);
-    const SpatialSystem system(
-        scene_of(wheels(4.5, 0) + "[[joint]]\ntype = 'drive'\njoint = 'one_axis'\nrate = 4.5\n" + teeth(play, e)));
+    const SpatialSystem system(toothed_scene(
+        two_wheels(4.5, 0) + "[[joint]]\ntype = 'drive'\njoint = 'one_axis'\nrate = 4.5\n" + playing_teeth(play, e)));
     const bool exact = integrator == "event-driven";
     const Run run = run_in_space(system, integrator, exact ? 1e-2 : 1e-5, end);
     INFO(run.why);
     REQUIRE(run.status == Status::solved);
-    const double off = std::abs(angle_of(system, run.final, 1) - expected);
+    const double off = std::abs(revolute_angle(system, run.final, 1) - expected);
     MESSAGE(integrator << ": " << off);
     CHECK(off < (exact ? 1e-12 : integrator == "adaptive" ? 1e-7 : 2e-4));
     if (exact) CHECK(run.events == 3);
@@ -72,9 +72,9 @@ TEST_CASE("a driven wheel strikes the free one across the play, ever more slowly
 
 TEST_CASE("free wheels in mesh with play keep J1 w1 + ratio J2 w2, and with e = 1 their energy") {
   const double ratio = -2.0 / 3;
-  for (const std::string_view integrator : kAllEight) {
+  for (const std::string_view integrator : kToothed) {
     CAPTURE(integrator);
-    const SpatialSystem system(scene_of(wheels(5, 2) + teeth(0.03, 1)));
+    const SpatialSystem system(toothed_scene(two_wheels(5, 2) + playing_teeth(0.03, 1)));
     const Run run = run_in_space(system, integrator, 1e-4, 0.5);
     INFO(run.why);
     REQUIRE(run.status == Status::solved);
@@ -88,7 +88,7 @@ TEST_CASE("free wheels in mesh with play keep J1 w1 + ratio J2 w2, and with e = 
 
 TEST_CASE("a gear train with play: the flanks hold, and no energy comes up") {
   const SpatialSystem system(gear_train({.wheels = 4, .brake = 0}));
-  for (const std::string_view integrator : kAllEight) {
+  for (const std::string_view integrator : kToothed) {
     CAPTURE(integrator);
     const Run run = run_in_space(system, integrator, 1e-4, 0.6);
     INFO(run.why);
@@ -102,7 +102,7 @@ TEST_CASE("a step that would skip a tooth ends the run with the contact's name")
   for (const std::string_view integrator : {"moreau-jean", "rattle"}) {
     CAPTURE(integrator);
     // 40 rad/s in 0.1 s: four radians of the first wheel, of whose mesh 2π/3 are from tooth to tooth.
-    const SpatialSystem system(scene_of(wheels(40, 40) + teeth(0.03, 0)));
+    const SpatialSystem system(toothed_scene(two_wheels(40, 40) + playing_teeth(0.03, 0)));
     const auto scheme = make_integrator(integrator, system);
     const auto solver = make_solver("auto");
     const Run run = simulate(*scheme, *solver, {.step = 0.1, .duration = 1}, [](const SpatialSample&) {});

@@ -11,12 +11,12 @@ using namespace orthant;
 
 namespace {
 
-spatial::Scene scene_of(const std::string& text) {
+spatial::Scene counted_scene(const std::string& text) {
   return std::get<spatial::Scene>(parse_any_scene("dimension = 3\n" + text, {}, "scene.toml"));
 }
 
 /// Three feet of different friction, which skid round on the ground.
-spatial::Scene tripod() {
+spatial::Scene skidding_tripod() {
   std::string text =
       "gravity = [0, 0, -9.81]\n[[body]]\nname = 't'\nmass = 1\ninertia = [0.02, 0.02, 0.03]\nposition = [0, 0, 0.05]\n"
       "velocity = [0.051248497209457025, 0.7456315092948199, 0]\nomega = [0, 0, 7.100094228785955]\n";
@@ -27,12 +27,12 @@ spatial::Scene tripod() {
   foot("-0.1861273772983587, 0.0969149929427977", "0.1992189148193627");
   foot("-0.0011882816491819161, -0.19732643579781778", "0.3958707570795379");
   foot("0.11742928914326434, 0.08113587302950052", "0.11150932951817545");
-  return scene_of(text);
+  return counted_scene(text);
 }
 
 /// An arm on a pin in a bush with clearance, which falls into it and swings.
-spatial::Scene arm(double mu) {
-  return scene_of(
+spatial::Scene bushed_arm(double mu) {
+  return counted_scene(
       "gravity = [0, -9.81, 0]\n[[body]]\nname = 'arm'\nmass = 1\ninertia = [0.001, 0.02, 0.02]\n"
       "position = [0.25, 0, 0]\nomega = [0, 0, 4]\n[[contact]]\ntype = 'pin-bush'\nbodies = ['arm', 'ground']\n"
       "centre_a = [-0.25, 0, 0]\naxis = [0, 0, 1]\nradius_a = 0.02\nradius_b = 0.0205\nlength_a = 0.06\ne_n = 0.2\n"
@@ -43,7 +43,7 @@ spatial::Scene arm(double mu) {
 }  // namespace
 
 TEST_CASE("feet that skid to a stop one after the other cost some tens of steps, and both integrators agree") {
-  const SpatialSystem system(tripod());
+  const SpatialSystem system(skidding_tripod());
   State final[2];
   for (const int i : {0, 1}) {
     CAPTURE(i);
@@ -59,7 +59,7 @@ TEST_CASE("feet that skid to a stop one after the other cost some tens of steps,
 TEST_CASE("a pin that rolls round in its bush costs no more steps than its bounces do, with and without friction") {
   for (const double mu : {0.0, 0.1}) {
     CAPTURE(mu);
-    const SpatialSystem system(arm(mu));
+    const SpatialSystem system(bushed_arm(mu));
     for (const std::string_view integrator : {"adaptive", "event-driven"}) {
       CAPTURE(integrator);
       const Run run = run_in_space(system, integrator, 0.02, 0.2);

@@ -12,20 +12,20 @@ using namespace orthant;
 namespace {
 
 /// A box of 2 × 4 × 6 with one corner at the origin.
-constexpr const char* kBox =
+constexpr const char* kObjBox =
     "v 0 0 0\nv 2 0 0\nv 2 4 0\nv 0 4 0\nv 0 0 6\nv 2 0 6\nv 2 4 6\nv 0 4 6\n"
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
-std::string body_with(const std::string& shape, const std::string& mass = "mass = 1\ninertia = 1\n") {
+std::string mesh_body_with(const std::string& shape, const std::string& mass = "mass = 1\ninertia = 1\n") {
   return "dimension = 3\n[[body]]\nname = 'part'\n" + mass +
          "[[collision]]\nwalls = [{normal = [0, 0, 1]}]\nshapes = [{body = 'part', " + shape + "}]\n";
 }
-spatial::Scene read(const Folder& folder, const std::string& text) {
+spatial::Scene read_mesh_scene(const Folder& folder, const std::string& text) {
   return std::get<spatial::Scene>(read_any_scene(folder.write("scene.toml", text)));
 }
-std::string refused(const Folder& folder, const std::string& text) {
+std::string refused_mesh(const Folder& folder, const std::string& text) {
   try {
-    read(folder, text);
+    read_mesh_scene(folder, text);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -36,11 +36,12 @@ std::string refused(const Folder& folder, const std::string& text) {
 
 TEST_CASE("a mesh in a scene's folder is a shape, moved and scaled, a solid, and corners against a wall") {
   const Folder folder;
-  folder.write("box.obj", kBox);
+  folder.write("box.obj", kObjBox);
   const auto solid = "density = 3\nsolid = {file = 'box.obj', scale = 0.1}\n";
-  const spatial::Scene s = read(folder, body_with("file = 'box.obj', scale = 0.1, centre = [0, 0, 1]", solid) +
-                                            "[[contact]]\ntype = 'polytope-wall'\nname = 'feet'\nbody = 'part'\n"
-                                            "file = 'box.obj'\nwall = {normal = [0, 0, 1]}\n");
+  const spatial::Scene s =
+      read_mesh_scene(folder, mesh_body_with("file = 'box.obj', scale = 0.1, centre = [0, 0, 1]", solid) +
+                                  "[[contact]]\ntype = 'polytope-wall'\nname = 'feet'\nbody = 'part'\n"
+                                  "file = 'box.obj'\nwall = {normal = [0, 0, 1]}\n");
   const spatial::Body& b = s.bodies[0];
   CHECK(std::abs(b.mass - 3 * 0.048) < 1e-15);
   CHECK((b.inertia - b.mass / 12 * Vector3d(0.52, 0.40, 0.20).asDiagonal().toDenseMatrix()).norm() < 1e-15);
@@ -62,10 +63,10 @@ TEST_CASE("a mesh in a scene's folder is a shape, moved and scaled, a solid, and
 
 TEST_CASE("mistakes in meshes of scenes are named by field, value and rule; nothing outside the folder is read") {
   const Folder folder;
-  folder.write("box.obj", kBox), folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\n");
+  folder.write("box.obj", kObjBox), folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\n");
   folder.write("note.txt", "v 0 0 0\n"), folder.write("bad.stl", "solid\nvertex 1 nan 2\n");
   const auto has = [&](const std::string& shape, const std::string& words) {
-    const std::string why = refused(folder, body_with(shape));
+    const std::string why = refused_mesh(folder, mesh_body_with(shape));
     INFO(why);
     CHECK(why.find(words) != std::string::npos);
     CHECK(why.find("scene.toml:") != std::string::npos);
@@ -80,6 +81,6 @@ TEST_CASE("mistakes in meshes of scenes are named by field, value and rule; noth
   has("file = 'box.obj', size = [1, 1, 1]", "size, ends, corners, file: must be one of them");
   has("semi_axes = [1, 2, 3]", "missing key \"radius\", \"size\", \"ends\", \"corners\", \"file\" or \"heights\"");
   has("radius = 1, scale = 2", "scale");
-  CHECK_THROWS_WITH_AS(parse_any_scene(body_with("file = 'box.obj'"), {}, "text"),
+  CHECK_THROWS_WITH_AS(parse_any_scene(mesh_body_with("file = 'box.obj'"), {}, "text"),
                        doctest::Contains("a scene without a file names no others"), std::invalid_argument);
 }
