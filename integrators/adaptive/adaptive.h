@@ -44,7 +44,8 @@ struct AdaptiveOptions {
 class Adaptive final : public Integrator {
  public:
   static constexpr std::string_view kName = "adaptive";
-  static constexpr Capabilities kCan{.loaded_friction = false, .error_control = true, .threads = false, .pyramids = false};
+  static constexpr Capabilities kCan{
+      .loaded_friction = false, .error_control = true, .threads = false, .pyramids = false};
   using Options = AdaptiveOptions;
   explicit Adaptive(const System& system, const Options& options = {});
   StepReport step(double h, Solver& solver, State& x) override;

@@ -90,7 +90,8 @@ struct EventDrivenOptions {  // lengths and speeds count times System::length_un
 class EventDriven final : public Integrator {
  public:
   static constexpr std::string_view kName = "event-driven";
-  static constexpr Capabilities kCan{.loaded_friction = false, .error_control = true, .threads = false, .pyramids = false};
+  static constexpr Capabilities kCan{
+      .loaded_friction = false, .error_control = true, .threads = false, .pyramids = false};
   using Options = EventDrivenOptions;
   explicit EventDriven(const System& system, const Options& options = {}, std::string_view name = kName);
   StepReport step(double h, Solver& solver, State& x) override { return go(h, false, solver, x); }

@@ -5,7 +5,8 @@
 // Rows are processed in pairs, because most planar joints have two rows and SIMD instructions multiply two numbers at
 // once. An odd last row is paired with a row of zeros. Pairs without a common body, such as every second joint of a
 // chain, come first: their operations do not depend on each other. Up to kUnrolled rows, in space up to twice as many,
-// loop lengths are compile-time constants. Beyond, each pair's row of S begins at the first pair that has a body in common with it (an envelope).
+// loop lengths are compile-time constants. Beyond, each pair's row of S begins at the first pair that has a body in
+// common with it (an envelope).
 #pragma once
 
 #include <orthant/core/mechanics/planar/geometry.h>
