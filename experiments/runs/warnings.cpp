@@ -165,7 +165,8 @@ template <class Space> void add_rounding(const SystemOf<Space>& system, const Ru
 /// [rad] ω h of a spring between two bodies; 0 of one between joints, and of drag.
 template <class Body, class Spring>
 double swing_of(const std::vector<Body>& bodies, const Spring& spring, double step) {
-  if constexpr (requires { spring.a; } && !requires { spring.quadratic; }) {
+  if constexpr (
+      requires { spring.a; } && !requires { spring.quadratic; }) {
     constexpr bool turns = !requires { spring.point_a; };
     const auto inverse = [&](BodyId b) {
       if (b < 0) return 0.0;

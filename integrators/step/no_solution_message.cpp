@@ -50,8 +50,7 @@ std::string why_unsolved(const System& system, const std::vector<Pair>& pairs, c
   const auto& u = solution.certificate.size() > 0 ? solution.certificate : solution.ray;
   const Status status = solution.status;
   if (status == Status::time_limit || status == Status::cancelled) return {};
-  if (status == Status::infeasible && u.size() != problem.size())
-    return why_no_case(problem.size(), when);
+  if (status == Status::infeasible && u.size() != problem.size()) return why_no_case(problem.size(), when);
   if (status != Status::infeasible)
     return "the solver ends the step's problem of " + std::to_string(problem.size()) + " rows as " +
            std::string(name(status)) + when + ", with a residual of " + detail::text_of(solution.residual) +

@@ -105,8 +105,8 @@ struct Scene {
 /// positive moments that a body can have (no one larger than the sum of the others), unit quaternions and directions,
 /// finite numbers, two different bodies that exist, radii > 0 (of a sphere against a plane ≥ 0), a socket wider than
 /// its ball, a bush than its pin or ball, a pitch ≠ 0, shapes that are a sphere, a capsule of some length or a polytope
-/// of some volume without a radius, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0, at
-/// least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
+/// of some volume without a radius, laws as in the plane but without a belt, stiffness, damping and dry friction ≥ 0,
+/// at least one body, names distinct within a kind and made of A–Z a–z 0–9 _ -.
 void check(const Scene& scene);
 
 }  // namespace spatial
