@@ -290,6 +290,7 @@ template <class Space> void TwoLevelOf<Space>::arrive(double h, Eigen::VectorXd&
   report.penetration = gaps_.size() > 0 ? std::max(0.0, -gaps_.minCoeff()) : 0.0;
   report.passage = tunnelling_.find(x.q, q_end_, end_);
   x.t += h;
+  if constexpr (!kPlanar<Space>) drop_underflow(q_end_), drop_underflow(v);
   x.q.swap(q_end_);
   x.v.swap(v);
 }

@@ -83,6 +83,7 @@ template <class Space> StepReport VelocitySteppingOf<Space>::step(double h, Solv
   if (!settle(x.t + h, report)) return report;
   report.passage = tunnelling_.find(x.q, q_new_, terms_);
   x.t += h;
+  if constexpr (!kPlanar<Space>) drop_underflow(q_new_), drop_underflow(v_new_);
   x.q.swap(q_new_);
   x.v.swap(v_new_);
   sleep_.end(h, terms_, impulses_, x);
