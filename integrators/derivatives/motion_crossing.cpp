@@ -20,6 +20,7 @@ constexpr double kGrazingForce = 1e-9;    // [1/s] of the force
 constexpr double kAtItsBound = 1e-6;      // of the force
 constexpr double kForcesJump = 1e-6;      // of the accelerations
 constexpr double kGrows = 1e4;            // of the tangents, through one event
+constexpr double kNearlyGrazes = 100;     // times the rate that rounding leaves
 constexpr std::size_t kMostWarnings = 20;
 
 }  // namespace
@@ -163,14 +164,16 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
     if (from > 0) most = std::max(most, std::abs(moves) * jump / from);
   });
   result_.guards.push_back(std::move(crossed));
-  for (const Struck& s : crossing.struck) struck_at_[static_cast<std::size_t>(s.contact)] = now();
-  if (most > kGrows && result_.warnings.size() < kMostWarnings)
+  base_.set_modes(before_.modes);
+  const bool nearly = std::abs(rate[0]) < kNearlyGrazes * least_rate(crossing, 0);
+  if (nearly && most > kGrows && result_.warnings.size() < kMostWarnings)
     result_.warnings.push_back("at t = " + detail::text_of(now()) + " s contact " + name(crossing.guards.front()) +
                                (crossing.kind == Guard::gap    ? " is touched at a rate of "
                                 : crossing.kind == Guard::slip ? " stops at a rate of "
                                                                : " begins to slip at a rate of ") +
                                detail::text_of(rate[0]) + ", nearly a graze: derivatives grow there by a factor of " +
                                detail::text_of(most) + ", and so do their errors");
+  for (const Struck& s : crossing.struck) struck_at_[static_cast<std::size_t>(s.contact)] = now();
 }
 
 void MotionVariation::check_reset(const Crossing& crossing, const Arc& after) {
