@@ -35,19 +35,6 @@ MotionVariation::MotionVariation(const System& system, const std::vector<RunPara
   }
 }
 
-template <class Out, class F> void MotionVariation::map(VariedDirection& d, const Eigen::VectorXd& q,
-                                                        const Eigen::VectorXd& v, const Eigen::VectorXd& dq,
-                                                        const Eigen::VectorXd& dv, Out& to_q, Out& to_v, F&& f) {
-  const Eigen::VectorXd x =
-      d.derivative(q, v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& at_q, Eigen::VectorXd& at_v) {
-        f(near, at_q, at_v);
-        Eigen::VectorXd both(at_q.size() + at_v.size());
-        both << at_q, at_v;
-        return both;
-      });
-  to_q = x.head(q.size()), to_v = x.tail(q.size());
-}
-
 void MotionVariation::begin(const State& given) {
   const std::vector<ContactMode> open(static_cast<std::size_t>(system_.contacts()));
   struck_at_.assign(open.size(), given.t);

@@ -122,4 +122,18 @@ class MotionVariation {
   std::vector<Event> events_;      // since before_
 };
 
+/// f(nearby motion, q, v) changes q and v: the derivative of what they become.
+template <class Out, class F> void MotionVariation::map(VariedDirection& d, const Eigen::VectorXd& q,
+                                                        const Eigen::VectorXd& v, const Eigen::VectorXd& dq,
+                                                        const Eigen::VectorXd& dv, Out& to_q, Out& to_v, F&& f) {
+  const Eigen::VectorXd x =
+      d.derivative(q, v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& at_q, Eigen::VectorXd& at_v) {
+        f(near, at_q, at_v);
+        Eigen::VectorXd both(at_q.size() + at_v.size());
+        both << at_q, at_v;
+        return both;
+      });
+  to_q = x.head(q.size()), to_v = x.tail(q.size());
+}
+
 }  // namespace orthant
