@@ -115,6 +115,12 @@ template <class Space> class Watchdog {
   double time_limit_before_ = kInf;  // [s]
 };
 
+/// Why the solver has not taken the last problem; empty: it has, or there was none.
+template <class Space> std::string refusal_of(Solver& solver, const IntegratorOf<Space>& integrator, Status status) {
+  const bool refused = status == Status::unsupported && integrator.problem().size() > 0;
+  return refused ? solver.refusal(integrator.problem()) : std::string();
+}
+
 /// Directions that are lost within a step, of schemes of fixed step; those that divide their step watch them within it.
 /// In the plane: of taut ropes (pulley_watch.h). In space: angles that turn (turn_watch.h).
 template <class Space> class DirectionWatch {
@@ -313,6 +319,8 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
         run.status = Status::numerical_error, run.why = directions.why();
       else if (report.status == Status::infeasible && run.why.starts_with("jammed"))
         run.why += since(x.t);
+      else if (const std::string refusal = refusal_of(solver, integrator, report.status); !refusal.empty())
+        run.why += (run.why.empty() ? "" : "; ") + ("the solver cannot take it: " + refusal);
       if (watch.jammed() && watch.measures_work() && !JamSearchOf<Space>(system).fits(x.t, there = x.q))
         x = before;  // in a jam there is no motion
       if (!watch.jammed() && integrator.controls_step() && x.t != t && breaks_joints(system, start, before, x))

@@ -12,8 +12,10 @@ namespace {
 
 constexpr int kMostCases = 4000;
 constexpr std::size_t kMostContacts = 4;
-constexpr double kRaised = 1e-9;  // of every coefficient
+constexpr double kRaised = 1e-9;      // of every coefficient
+constexpr double kMostImpulse = 1e5;  // A_nn z_n over the largest |b|
 constexpr double kFirstArc = std::numbers::pi / 2;
+constexpr double kAskew = 0.3;                 // [rad] ends of arcs along the tangents leave entries of 1e-17
 constexpr double kLeastArc = kFirstArc / 256;  // narrower: undecided
 
 struct CaseOfContact {
@@ -67,7 +69,7 @@ class Exhaustion {
       add(k, {Mode::open});
       if (contacts_[k].tangent < 0) return add(k, {Mode::sticks}), true;
       for (int quarter = 0; quarter < 4; ++quarter)
-        for (const Mode mode : {Mode::sticks, Mode::slides}) add(k, {mode, quarter * kFirstArc, kFirstArc});
+        for (const Mode mode : {Mode::sticks, Mode::slides}) add(k, {mode, kAskew + quarter * kFirstArc, kFirstArc});
       return true;
     }
     const auto widest = std::ranges::max_element(one, {}, &CaseOfContact::arc);
@@ -121,15 +123,21 @@ class Exhaustion {
 
   /// Of M y + q ≥ 0, y ≥ 0 with its coefficients raised.
   bool infeasible() {
-    const auto rows = std::ssize(signs_), columns = std::ssize(rays_);
-    const Index n = std::max(rows, columns);
+    const auto rows = std::ssize(signs_), columns = std::ssize(rays_), bounds = std::ssize(contacts_);
+    const Index n = std::max(rows + bounds, columns);
+    const double largest = b_.lpNorm<Eigen::Infinity>();
     Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd q = Eigen::VectorXd::Zero(n);
     for (Index i = 0; i < rows; ++i) {
       const Eigen::VectorXd row = A_.transpose() * signs_[at(i)];
       for (Index j = 0; j < columns; ++j)
         M(i, j) = row.dot(rays_[at(j)]) + kRaised * row.cwiseAbs().dot(rays_[at(j)].cwiseAbs());
-      q[i] = b_.dot(signs_[at(i)]) + kRaised * b_.lpNorm<Eigen::Infinity>();
+      q[i] = b_.dot(signs_[at(i)]) + kRaised * largest;
+    }
+    for (Index k = 0; k < bounds; ++k) {
+      const Index normal = contacts_[at(k)].normal;
+      q[rows + k] = kMostImpulse * largest;
+      for (Index j = 0; j < columns; ++j) M(rows + k, j) = -A_(normal, normal) * rays_[at(j)][normal];
     }
     const Lcp program = Lcp::standard(DenseMatrix(M), Vector(q));
     if (!farkas_.propose(program, u_) || u_.size() != n || u_.minCoeff() < 0) return false;

@@ -133,9 +133,9 @@ TEST_CASE("exact cases in space: event-driven meets every truth that has the dig
   std::istringstream runs(slurp(study.path / "out/runs.csv"));
   std::map<std::string, int> seen;
   for (std::string line; std::getline(runs, line);) {
-    if (line.find(",event-driven,\"auto\",1e-11,") == std::string::npos) continue;
+    if (line.find(",event-driven,\"auto\",1e-13,") == std::string::npos) continue;
     const std::string id = line.substr(0, line.find(','));
-    const std::string rest = line.substr(line.find(",1e-11,") + 7);
+    const std::string rest = line.substr(line.find(",1e-13,") + 7);
     CAPTURE(line);
     ++seen[id];
     if (line.find("Painleve's rod in space, no") != std::string::npos ||

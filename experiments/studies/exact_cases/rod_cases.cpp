@@ -32,7 +32,7 @@ spatial::Scene oblique_rod(const PainleveRod& p) {
 void painleve_in_space(std::vector<ExactCase>& all) {
   // The tip slides: y = (x, φ, ẋ, φ̇),  N (1 + 3 c² − 3 μ s c) = g − s φ̇²,  ẍ = μ N,  φ̈ = 3 N (μ s − c).
   const PainleveRod p{.mu = 1};
-  const double duration = 0.1;
+  const double duration = 0.015;
   const auto rate = [p](const RealVector& y) {
     const Real c = std::cos(y[1]), s = std::sin(y[1]), mu = p.mu;
     const Real N = (Real(p.g) - s * y[3] * y[3]) / (1 + 3 * c * c - 3 * mu * s * c);
@@ -49,7 +49,7 @@ void painleve_in_space(std::vector<ExactCase>& all) {
                  .measure = "position error at the end [m]",
                  .scene = oblique_rod(p),
                  .duration = duration,
-                 .h = 5e-3,
+                 .h = 1e-3,
                  .error_in_space = [=](const System&, const State& x) { return (place(x) - there).norm(); }});
   const auto add = [&all](const char* title, const char* word, double omega) {
     all.push_back({.id = "S22",

@@ -224,7 +224,7 @@ void sliding(std::vector<ExactCase>& all) {
     const std::string facets = std::to_string(sides);
     block("S12", "the same with a pyramid of " + facets + " facets, by the pyramid's own path",
           stop_on_slope(slope, sides)->place);
-    all.back().solvers = {"lemke:facets=" + facets, "path:facets=" + facets, "pgs:facets=" + facets};
+    all.back().solvers = {"lemke:facets=" + facets, "path:facets=" + facets, "newton-fb:facets=" + facets};
     all.back().pyramids = true;
   }
   // The centre's velocity turns at 2/7 Ω about n.
