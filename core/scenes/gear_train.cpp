@@ -34,7 +34,8 @@ spatial::Scene gear_train(const GearTrain& p) {
     else
       s.contact_set(spatial::meshing("teeth" + number, spatial::Gear({}, last, turn, i % 2 == 1 ? -2.0 / 3 : -1.5),
                                      p.play, {.e = p.e}));
-    if (i + 1 == p.wheels && p.brake > 0) s.friction({.name = "brake", .of = turn, .bound = p.brake});
+    if (i + 1 == p.wheels && p.brake > 0)
+      s.spring(spatial::JointSpring{.name = "brake", .of = turn, .damping = p.brake});
     last = turn, last_radius = radius;
   }
   return s;
