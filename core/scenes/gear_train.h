@@ -1,8 +1,8 @@
 // core/scenes/gear_train.h — gear train with backlash: wheels in mesh with play, the first one driven to and fro.
 //
 //   Wheel i of radius r_i turns about z, neighbours in mesh: c_{i+1} = −r_i/r_{i+1} c_i within the play. The first one
-//   turns with amplitude × sin(omega t); the last one is three times as thick, a flywheel, and braked. At each reversal the teeth part, cross the
-//   play and strike: relative rates change by −e.
+//   turns with amplitude × sin(omega t). The last one is three times as thick, a flywheel, and braked. At each reversal
+//   the teeth part, cross the play and strike: relative rates change by −e.
 //   Source: the rattle model of Pfeiffer & Kunert, Rattling models from deterministic to stochastic processes,
 //   Nonlinear Dynamics 1 (1990) 63–74: wheels that strike across their backlash.
 #pragma once
