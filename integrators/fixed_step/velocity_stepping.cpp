@@ -121,9 +121,11 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
                                                                       [[maybe_unused]] StepReport& report) {
   if constexpr (!kPlanar<Space>) {
     constexpr int kPasses = 100;
-    constexpr int kPlain = 8;           // before the acceleration
-    constexpr double kSettled = 5e-16;  // of the largest velocity
-    constexpr double kNearly = 1e-12;   // likewise: rounding where constraints magnify it
+    constexpr int kPlain = 8;             // before the acceleration
+    constexpr double kSettled = 5e-16;    // of the largest velocity
+    constexpr double kNearly = 1e-12;     // likewise: rounding where constraints magnify it
+    constexpr int kLong = 30;             // passes after which rounding counts as magnified more:
+    constexpr double kMagnified = 1e-10;  // by redundant joints (bricard: 2e-11)
     if (joined_basic_ && !joined_basic_->factorize(system_, terms_, h * h * plan_.at * plan_.theta, h * plan_.at))
       return fail(report, Status::numerical_error, "the basic system is not finite");
     const BasicSystem& joined = joined_basic_ ? *joined_basic_ : basic_;
@@ -139,7 +141,8 @@ template <class Space> bool VelocitySteppingOf<Space>::fly_gyroscopic([[maybe_un
       // In the metric of M: the spin of slender bodies is known to no more digits than their momentum.
       const double change = (change_of_v_ - v_new_).cwiseProduct(scale_).template lpNorm<Eigen::Infinity>();
       const double size = change_of_v_.cwiseProduct(scale_).template lpNorm<Eigen::Infinity>();
-      const bool done = change <= kSettled * size || (pass > kPlain && change <= kNearly * size);
+      const bool done = change <= kSettled * size || (pass > kPlain && change <= kNearly * size) ||
+                        (pass > kLong && change <= kMagnified * size);
       if (!done && pass == kPasses)
         return fail(report, Status::numerical_error,
                     "bodies turn too far in a step for their gyroscopic moments: a shorter step converges");
