@@ -149,9 +149,9 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   double gap_zero(int c) const { return 0x1p-52 * now_.w.gap_scale[c]; }
   bool stays(const Point& p, int c) const { return std::abs(p.w.gap[c]) <= kStays * gap_zero(c) + options_.touching; }
   double rate_zero(int c) const { return options_.atol + 1e-12 * now_.w.rate_scale[c]; }
-  /// [m/s] slip below it is none: what a step may err by.
+  /// [m/s] slip below it is none: the error of some steps.
   double slip_zero(const Point& p) const {
-    return options_.atol + (10 + options_.rtol * 0x1p52) * motion_.slip_rounding(p.v);
+    return options_.atol + 10 * (options_.rtol * p.v.lpNorm<Eigen::Infinity>() + motion_.slip_rounding(p.v));
   }
   double room(int contact, const Point& p) const;
   double low_gap(int c) const {
