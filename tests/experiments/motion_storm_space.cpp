@@ -183,8 +183,11 @@ TEST_CASE("motion storm in space: a twin is the same motion, in other words, and
       set_poses(other, 0, y.q, same.at), evaluate_gaps(other, same), evaluate_joint_residual(other, same);
       if (same.phi.size() > 0) CHECK(same.phi.lpNorm<Eigen::Infinity>() < 1e-11);
       for (Index c = 0; c < listed; ++c) {
-        const auto* limit = std::get_if<spatial::Limit>(&it.scene.contacts[static_cast<std::size_t>(c)]);
-        const double unit = limit != nullptr && limit->of.angle() ? 1 : twin.lambda;
+        const spatial::Contact& contact = it.scene.contacts[static_cast<std::size_t>(c)];
+        const auto* limit = std::get_if<spatial::Limit>(&contact);
+        const auto* teeth = std::get_if<spatial::Backlash>(&contact);
+        const bool angle = (limit != nullptr && limit->of.angle()) || (teeth != nullptr && teeth->gear.second.angle());
+        const double unit = angle ? 1 : twin.lambda;
         CHECK(std::abs(same.gap[twin.reversed ? listed - 1 - c : c] / unit - terms.gap[c]) < 1e-11);
       }
     }

@@ -62,6 +62,7 @@ bool limits_angle(const Contact& contact) {
   return limit != nullptr && is_angle(limit->of);
 }
 bool limits_angle(const spatial::Contact& contact) {
+  if (const auto* teeth = std::get_if<spatial::Backlash>(&contact)) return teeth->gear.second.angle();
   const auto* limit = std::get_if<spatial::Limit>(&contact);
   return limit != nullptr && is_angle(limit->of);
 }
