@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostCases = 4000;
 constexpr std::size_t kMostContacts = 4;
-constexpr double kRaised = 1e-9;      // of every coefficient
+constexpr double kRaised = 1e-9;      // of the largest coefficient
 constexpr double kMostImpulse = 1e5;  // A_nn z_n over the largest |b|
 constexpr double kFirstArc = std::numbers::pi / 2;
 constexpr double kAskew = 0.3;                 // [rad] ends of arcs along the tangents leave entries of 1e-17
@@ -125,26 +125,24 @@ class Exhaustion {
   bool infeasible() {
     const auto rows = std::ssize(signs_), columns = std::ssize(rays_), bounds = std::ssize(contacts_);
     const Index n = std::max(rows + bounds, columns);
-    const double largest = b_.lpNorm<Eigen::Infinity>();
+    const double largest = b_.lpNorm<Eigen::Infinity>(), raise = kRaised * A_.cwiseAbs().maxCoeff();
     Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd q = Eigen::VectorXd::Zero(n);
     for (Index i = 0; i < rows; ++i) {
       const Eigen::VectorXd row = A_.transpose() * signs_[at(i)];
-      for (Index j = 0; j < columns; ++j)
-        M(i, j) = row.dot(rays_[at(j)]) + kRaised * row.cwiseAbs().dot(rays_[at(j)].cwiseAbs());
+      for (Index j = 0; j < columns; ++j) M(i, j) = row.dot(rays_[at(j)]) + raise;
       q[i] = b_.dot(signs_[at(i)]) + kRaised * largest;
     }
     for (Index k = 0; k < bounds; ++k) {
       const Index normal = contacts_[at(k)].normal;
-      q[rows + k] = kMostImpulse * largest;
-      for (Index j = 0; j < columns; ++j) M(rows + k, j) = -A_(normal, normal) * rays_[at(j)][normal];
+      q[rows + k] = largest;  // a row of the size of the others: small multipliers are taken for noise
+      for (Index j = 0; j < columns; ++j) M(rows + k, j) = -A_(normal, normal) / kMostImpulse * rays_[at(j)][normal];
     }
     const Lcp program = Lcp::standard(DenseMatrix(M), Vector(q));
     if (!farkas_.propose(program, u_) || u_.size() != n || u_.minCoeff() < 0) return false;
     const Eigen::VectorXd u = u_;
-    const double small = kRaised / 1e3;
-    const bool sums = ((M.transpose() * u).array() <= small * (M.cwiseAbs().transpose() * u).array()).all();
-    return sums && q.dot(u) < -small * q.cwiseAbs().dot(u);
+    const double size = u.head(rows).sum();  // what is left of the raise proves
+    return (M.transpose() * u).maxCoeff() <= raise / 10 * size && q.dot(u) < -kRaised / 10 * largest * size;
   }
 
   std::vector<ContactOfProblem> contacts_;

@@ -52,10 +52,11 @@ std::vector<Setting> ladder(const ExactCase& exact_case, const std::string& inte
   }
   for (int k = 0; k < levels; ++k) {
     if (by_tolerance(integrator)) {
-      const double finest = exact_case.in_space() && integrator == "event-driven" ? -13 : -9;
+      const double finest =
+          exact_case.in_space() && exact_case.has_contacts() && integrator == "event-driven" ? -13 : -9;
       const double tolerance = std::pow(10.0, levels == 1 ? -8 : -3 + (finest + 3) * k / (levels - 1));
-      const std::string spec =
-          integrator + ":rtol=" + detail::text_of(tolerance) + ",atol=" + detail::text_of(tolerance / 1000);
+      const std::string spec = integrator + ":rtol=" + detail::text_of(tolerance) +
+                               ",atol=" + detail::text_of(std::max(tolerance / 1000, 1e-14));
       settings.push_back({tolerance, spec, exact_case.duration / 100});
     } else {
       const double h = exact_case.h / std::pow(2, k);

@@ -36,7 +36,7 @@ class AsymmetricBody {
       const double sum = J_[0] * w[0] * w[0] + J_[1] * w[1] * w[1];
       return static_cast<Real>(M_ * sum / (std::pow(J_[0] * w[0], 2) + std::pow(J_[1] * w[1], 2)));
     };
-    const auto phi = static_cast<double>(integrate(rate, 0, t, 200));
+    const auto phi = static_cast<double>(integrate(rate, 0, t, 12));
     return (Eigen::AngleAxisd(phi, Vector3d::UnitZ()) * Eigen::AngleAxisd(std::acos(M[2] / M_), Vector3d::UnitX()) *
             Eigen::AngleAxisd(std::atan2(M[0], M[1]), Vector3d::UnitZ()))
         .toRotationMatrix();
