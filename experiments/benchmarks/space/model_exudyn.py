@@ -21,7 +21,8 @@ CRITICAL, RESTITUTION = 0, 2  # its numbers of models of impact: linear; by a gi
 
 class Exudyn:
     settings = {
-        scene: dict.fromkeys(IMPLICIT, "step") | ({} if scene == "slider_crank" else {"rk44": "step", "dopri5": "accuracy"})
+        scene: dict.fromkeys(IMPLICIT, "step") |
+        ({} if scene == "slider_crank" else {"rk44": "step", "dopri5": "accuracy"})
         for scene in ("masse", "slider_crank", "bounces")
     }
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from motions import REPEATS
 
-PROGRAM = Path(__file__).resolve().parents[3] / "build/peers/space/siconos"
+PEERS = os.environ.get("ORTHANT_PEERS") or Path(__file__).resolve().parents[3] / "build/peers"
+PROGRAM = Path(PEERS) / "space/siconos"
 LONGEST = 600  # [s] of a run
 
 

@@ -53,13 +53,13 @@ def program(name, orthant):
         return Absent(f"not installed: {error}")
 
 
-def measure(programs, quick, only):
+def measure(programs, values, only):
     for scene, end in ends().items():
         if only and scene not in only:
             continue
         for name, program in programs.items():
             for setting, swept in program.settings[scene].items():
-                for at in SWEEPS[swept][:4 if quick else None]:
+                for at in SWEEPS[swept][:values]:
                     row = dict.fromkeys(
                         COLUMNS, "") | {"scene": scene, "program": name, "setting": setting, "swept": swept, "at": at}
                     try:
@@ -68,7 +68,7 @@ def measure(programs, quick, only):
                         if not math.isfinite(row["error"]):
                             row |= {"error": "", "failure": "the end is not finite"}
                     except Exception as error:  # a rival that fails is a row of the table
-                        row["failure"] = (str(error).splitlines() or [type(error).__name__])[0][:100]
+                        row["failure"] = (str(error).splitlines() or [type(error).__name__])[0][:160]
                     yield row
 
 
@@ -126,7 +126,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--orthant", default="build/release", help="folder of Orthant's programs")
     parser.add_argument("--output", type=Path, default=Path("results/peers"))
-    parser.add_argument("--quick", action="store_true", help="the four coarsest values of each setting")
+    parser.add_argument("--values", type=int, help="so many of the coarsest values of each setting; all if not given")
+    parser.add_argument("--quick", action="store_const", const=4, dest="values", help="the same as --values 4")
     parser.add_argument("--programs", nargs="+", default=list(PROGRAMS), choices=PROGRAMS)
     parser.add_argument("--scenes", nargs="+", choices=SCENES)
     arguments = parser.parse_args()
@@ -135,7 +136,8 @@ def main():
     with open(arguments.output / "space.csv", "w", newline="") as file:
         out = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         out.writeheader()
-        for row in measure({name: program(name, arguments.orthant) for name in arguments.programs}, arguments.quick, arguments.scenes):
+        programs = {name: program(name, arguments.orthant) for name in arguments.programs}
+        for row in measure(programs, arguments.values, arguments.scenes):
             rows.append(row)
             out.writerow(row), file.flush()
     (arguments.output / "space.md").write_text(table(rows))
