@@ -6,8 +6,8 @@ FAMILIES = {"socket at the slider": ("socket", "ball in a socket of the slider")
             "channel": ("channel", "slider in a channel"),
             "socket at the crank, 5 s": ("crank", "ball at the crank, published end")}
 GOALS = (1e-2, 1e-3, 1e-4, 1e-6)
-PROGRAMS = {"orthant": "Orthant", "mujoco": "MuJoCo", "drake": "Drake"}
-SCENES = {"masse": "ball", "slider_crank": "spatial slider-crank"}
+PROGRAMS = {"orthant": "Orthant", "mujoco": "MuJoCo", "drake": "Drake", "exudyn": "Exudyn", "siconos": "Siconos"}
+SCENES = {"masse": "ball", "bounces": "bouncing ball", "slider_crank": "spatial slider-crank"}
 
 
 def limits():
@@ -24,6 +24,11 @@ def least_time(runs, goal):
             break
         reached.append(row["seconds"])
     return min(reached) if reached else None
+
+
+def scenes():
+    """Those of the comparison that the data have."""
+    return [scene for scene in SCENES if pick(rows("space_peers"), scene=scene)]
 
 
 def settings(scene):
@@ -46,9 +51,9 @@ def numbers(n):
     for key in ("mu", "e"):
         n[f"grad/exact_{key}"], n[f"grad/fixed_{key}"] = tex(exact[key], 4), tex(finest[key], 4)
         n[f"grad/off_{key}"] = tex(100 * abs(finest[key] / exact[key] - 1), 2) + r"\,\%"
-    for scene in SCENES:
-        rivals = [min(r["error"] for r in runs if r["error"] is not None)
-                  for (program, _), runs in settings(scene).items() if program != "orthant"]
+    for scene in scenes():
+        rivals = [r["error"] for (program, _), runs in settings(scene).items() for r in runs
+                  if program != "orthant" and r["error"] is not None]
         n[f"space/{scene}_rival"] = tex(min(rivals), 2) + unit("m")
         n[f"space/{scene}_adaptive"] = tex(1e3 * least_time(settings(scene)["orthant", "adaptive"], 1e-6),
                                            2) + unit("ms")
@@ -56,14 +61,14 @@ def numbers(n):
 
 def tables(t):
     body = []
-    for i, scene in enumerate(SCENES):
+    for i, scene in enumerate(scenes()):
         body += [r"\midrule"] if i else []
         for (program, setting), runs in settings(scene).items():
             good = [row["error"] for row in runs if row["error"] is not None]
             cells = [least_time(runs, goal) for goal in GOALS]
             body.append([
                 SCENES[scene], f"{PROGRAMS[program]}, {code(setting) if program == 'orthant' else setting}",
-                tex(min(good), 1), *("--" if s is None else tex(1e3 * s, 2) for s in cells),
+                tex(min(good), 1) if good else "--", *("--" if s is None else tex(1e3 * s, 2) for s in cells),
                 str(len(runs) - len(good) or "--")
             ])
     t["space"] = tabular("llrrrrrr", ["motion", "by", "least [m]", *(f"to {tex(g, 1)}" for g in GOALS), "failed"], body)
