@@ -123,7 +123,7 @@ TEST_CASE("normal rows of spatial contacts are the derivatives of their gaps, ta
       SphereSphere{"spheres", 0, some(4), 0.3, 1, some(5), 0.4, {.mu = 0.5}},
       Socket{"socket", 1, some(6), 0.3, 0, some(7), 0.4, {.mu = 0.5}},
       SphereBush{"bush", 1, some(6), 0.3, 0, some(7), some(9).normalized(), 0.4, {.mu = 0.5}},
-      SphereBush{"fixed bush", 0, some(6), 0.3, kGround, some(7), some(8).normalized(), 2.5, {.mu = 0.5}},
+      SphereBush{"fixed_bush", 0, some(6), 0.3, kGround, some(7), some(8).normalized(), 2.5, {.mu = 0.5}},
       EllipsoidPlane{
           "ellipsoid", 0, some(1), {0.3, 0.5, 0.2}, orientation(4), 1, some(2), some(3).normalized(), {.mu = 0.5}},
       RimPlane{"rim", 1, some(6), some(5).normalized(), 0.4, 0.05, 0, 0, some(2), some(3).normalized(), {.mu = 0.5}},
