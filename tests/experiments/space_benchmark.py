@@ -19,7 +19,7 @@ import space  # noqa: E402
 
 # error of the second coarsest value of a setting: of a first-order method, or of soft contact
 OTHERS = {("masse", "mujoco", "defaults"): 4e-3, ("masse", "mujoco", "stiff"): 1e-2,
-          ("bounces", "mujoco", "fitted"): 4e-2, ("masse", "exudyn", "trapezoidal-index-2"): 4e-3,
+          ("bounces", "mujoco", "fitted"): 2e-2, ("masse", "exudyn", "trapezoidal-index-2"): 4e-3,
           ("slider_crank", "exudyn", "generalized-alpha"): 4e-4, ("bounces", "exudyn", "dopri5"): 1e-3,
           ("masse", "siconos", "nsgs"): 4e-2, ("masse", "siconos", "nsn-ac"): 4e-2,
           ("bounces", "siconos", "nsgs"): 4e-3, ("bounces", "siconos", "nsn-ac"): 4e-3,

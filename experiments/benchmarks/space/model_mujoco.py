@@ -1,7 +1,8 @@
 """MuJoCo: free bodies or joint angles, contacts and the closed loop soft.
 
 By its defaults, or "stiff": with a time constant of two steps. For the ball that bounces "fitted": a spring and damper
-that return the given part of the speed at every speed, stiffer as the step shrinks; its defaults do not bounce.
+that return the given part of the speed at every speed, stiffer as the step shrinks, and friction with a time constant
+of two steps (only a pair of geometries takes one of its own); its defaults do not bounce.
 """
 import mujoco
 import numpy as np
@@ -36,13 +37,14 @@ class Mujoco:
             return value(data)
         return timed(once)
 
-    def ball(self, contact, h, duration, height, radius, mass, v, omega):
+    def ball(self, contact, h, duration, height, radius, mass, v, omega, pair=""):
         inertia = 0.4 * mass * radius**2
         text = (
             f'<mujoco><option timestep="{h}" gravity="0 0 {-G}" cone="elliptic" iterations="200" tolerance="1e-12"/>'
-            f'<worldbody><geom type="plane" size="50 50 1" {contact}/><body pos="0 0 {radius + height}"><freejoint/>'
+            f'{pair}<worldbody><geom name="table" type="plane" size="50 50 1" {contact}/>'
+            f'<body pos="0 0 {radius + height}"><freejoint/>'
             f'<inertial pos="0 0 0" mass="{mass}" diaginertia="{inertia} {inertia} {inertia}"/>'
-            f'<geom type="sphere" size="{radius}" {contact}/></body></worldbody></mujoco>')
+            f'<geom name="ball" type="sphere" size="{radius}" {contact}/></body></worldbody></mujoco>')
         return self.run(text, [*v, *omega], duration, h, lambda data: data.qpos[:3].copy())
 
     def masse(self, method, h):
@@ -51,13 +53,15 @@ class Mujoco:
         return end[:2], seconds
 
     def bounces(self, method, h):
-        contact = f'friction="{DROP["mu"]} 0 0" condim="3"'
-        if method == "fitted":
+        contact, pair = f'friction="{DROP["mu"]} 0 0" condim="3"', ""
+        if method == "fitted":  # friction stops the slip sooner than the spring ends the impact
             rate, depth = stiff_rate(h, True), 0.9999
             damping = 2 * damping_ratio(DROP["e"]) * rate
-            contact += f' solref="{-(rate * depth)**2} {-damping * depth}" solimp="{depth} {depth} 0.001"'
+            pair = (f'<contact><pair geom1="table" geom2="ball" condim="3" friction="{DROP["mu"]} {DROP["mu"]} 0 0 0" '
+                    f'solref="{-(rate * depth)**2} {-damping * depth}" solimp="{depth} {depth} 0.001" '
+                    f'solreffriction="{2 * h} 1"/></contact>')
         return self.ball(contact, h, DURATION["bounces"], DROP["height"], DROP["radius"], DROP["mass"], DROP["v"],
-                         DROP["omega"])
+                         DROP["omega"], pair)
 
     def slider_crank(self, method, h):
         # slider, universal joint (x of the slider, y of the rod), rod; the crank by itself; a loop closed at its pin
