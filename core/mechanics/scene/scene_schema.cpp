@@ -146,6 +146,8 @@ constexpr std::array kSamplesInSpace = {
     "PIN[[contact]]\ntype = 'limit'\njoint = 'pin'\nlower = -1",
     "[[contact]]\ntype = 'limit'\nof = 'slide'\nbodies = ['a', 'b']\naxis = [1, 0, 0]\nupper = 9",
     "[[spring]]\ntype = 'drag'\nbody = 'a'\nlinear = 1",
+    "PIN[[joint]]\ntype = 'revolute'\nname = 'other'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\n"
+    "[[contact]]\ntype = 'backlash'\njoints = ['pin', 'other']\nratio = 1\nplay = 0.1",
     "[[contact]]\ntype = 'backlash'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nteeth = [20, 60]\nplay = 0.1",
     "[[contact]]\ntype = 'backlash'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\naxis_b = [1, 0, 0]\nradius = 1\nplay = 1",
     "PIN[[contact]]\ntype = 'limit'\nof = 'angle'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\nupper = 1",

@@ -21,7 +21,7 @@ bool lies_in(const fs::path& file, const fs::path& folder) {
 
 bool SpatialReader::names_mesh(Fields& f) {
   const bool named = f.find("file", Form::word) != nullptr;
-  if (!named) f.report("scale", Form::any);
+  if (!named) f.report("scale", Form::any), f.report("centre", Form::triple);
   return named;
 }
 

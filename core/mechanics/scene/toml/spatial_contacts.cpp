@@ -204,7 +204,7 @@ void SpatialReader::contact(Fields& f) {
       if (f.table().contains("corners")) f.fail(f.table(), "corners, file: must be one of them");
       corners = mesh_corners(f);
     } else {
-      f.need("corners", corners);
+      if (!f.maybe("corners", corners)) f.fail(f.table(), "missing key \"corners\" or \"file\"");
       if (corners.empty()) f.refuse("corners", *f.table().get("corners"), "at least one point [x, y, z]");
     }
     for (std::size_t i = 0; i < corners.size(); ++i)
