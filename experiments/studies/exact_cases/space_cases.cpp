@@ -215,7 +215,7 @@ void sliding(std::vector<ExactCase>& all) {
                    .title = title,
                    .measure = "error of the place where it stops [m]",
                    .scene = cross_slope(slope),
-                   .duration = 0.4,
+                   .duration = 0.5,
                    .h = 1e-2,
                    .error_in_space = [=](const System&, const State& x) { return (place(x) - stops).norm(); }});
   };
