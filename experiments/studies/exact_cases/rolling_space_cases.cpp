@@ -142,7 +142,7 @@ void ball_in_cylinder(std::vector<ExactCase>& all) {
                  .measure = "largest position error [m]",
                  .scene = s,
                  .duration = 3,
-                 .h = 1e-2,
+                 .h = 2e-3,
                  .throughout = true,
                  .energy = Energy::conserved,
                  .error_in_space = [=](const System&, const State& x) { return (place(x) - at(x.t)).norm(); }});
