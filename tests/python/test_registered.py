@@ -161,7 +161,8 @@ def test_runs_of_scenes_with_lambdas_are_pickled_without_them(tmp_path):
         copied.view(tmp_path / "run.html")
         assert (tmp_path / "run.html").read_bytes() == pathlib.Path(run.view(tmp_path / "its.html")).read_bytes()
         with pytest.raises(RuntimeError, match='joint "elbow": rows: a copied run does not keep'):
-            orthant._orthant._simulate(copied._scene, "moreau-jean", "auto", 1e-3, 0.01, 1, None, False, False, False, print)
+            orthant._orthant._simulate(copied._scene, "moreau-jean", "auto", 1e-3, 0.01, 1, None, False, False, False,
+                                       print)
     assert orthant.simulate(scene, duration=0.05).table.tolist() == run.table.tolist()
 
 
