@@ -102,11 +102,28 @@ def reduce_space(results, data):
         (data / "space_peers.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 
+def reduce_pyramids(results, data):
+    """How far pyramids bend the path of a block on a slope: the table of `exact_cases --dimension 3`."""
+    found = results / "exact_cases/pyramids.md"
+    if not found.exists():
+        return
+    table = [[cell.strip() for cell in line.strip("| \n").split("|")] for line in found.read_text().splitlines()
+             if re.match(r"\| (disc|\d+ facets) ", line)]
+    with open(data / "pyramids.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["facets", "distance", "exact_distance", "angle", "exact_angle"])
+        for friction, _, *numbers in table:
+            out.writerow([0 if friction == "disc" else friction.split()[0], *map(rounded, numbers)])
+    made = {"command": "experiments/run exact_cases --dimension 3"}
+    (data / "pyramids.about.json").write_text(json.dumps(made, indent=1) + "\n")
+
+
 def main(results, data):
     for study in COLUMNS:
         if (results / study / "sweep.csv").exists():
             reduce_sweep(results, data, study)
     reduce_space(results, data)
+    reduce_pyramids(results, data)
     if (results / "lcp_shootout/shootout.csv").exists():
         reduce_shootout(results / "lcp_shootout", data)
 

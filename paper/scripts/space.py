@@ -38,6 +38,8 @@ def settings(scene):
 
 
 def numbers(n):
+    for row in rows("pyramids"):
+        n[f"space/facets{row['facets']:.0f}"] = tex(row["exact_angle"], 2)
     for key, found in limits().items():
         n[f"space/{key}_order"] = tex(found[-1]["order"], 2)
         n[f"space/{key}_clearance"] = tex(1e6 * found[-1]["clearance"], 3) + unit(r"\mu m")
