@@ -114,7 +114,7 @@ def reduce_pyramids(results, data):
         out.writerow(["facets", "distance", "exact_distance", "angle", "exact_angle"])
         for friction, _, *numbers in table:
             out.writerow([0 if friction == "disc" else friction.split()[0], *map(rounded, numbers)])
-    made = {"command": "experiments/run exact_cases --dimension 3"}
+    made = {"command": "experiments/run exact_cases --dimension 3 --cases S12 --solvers auto"}
     (data / "pyramids.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 

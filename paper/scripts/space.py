@@ -38,8 +38,10 @@ def settings(scene):
 
 
 def numbers(n):
-    for row in rows("pyramids"):
-        n[f"space/facets{row['facets']:.0f}"] = tex(row["exact_angle"], 2)
+    pyramids = [row for row in rows("pyramids") if row["facets"] > 0]
+    for key, each in (("counts", lambda row: f"{row['facets']:.0f}"), ("bends", lambda row: tex(row["exact_angle"], 2))):
+        *first, last = map(each, pyramids)
+        n[f"space/facet_{key}"] = ", ".join(first) + r"\text{ and }" + last
     for key, found in limits().items():
         n[f"space/{key}_order"] = tex(found[-1]["order"], 2)
         n[f"space/{key}_clearance"] = tex(1e6 * found[-1]["clearance"], 3) + unit(r"\mu m")
@@ -57,6 +59,8 @@ def numbers(n):
         rivals = [r["error"] for (program, _), runs in settings(scene).items() for r in runs
                   if program != "orthant" and r["error"] is not None]
         n[f"space/{scene}_rival"] = tex(min(rivals), 2) + unit("m")
+        if scene == "bounces":  # its time is that of the clock
+            continue
         n[f"space/{scene}_adaptive"] = tex(1e3 * least_time(settings(scene)["orthant", "adaptive"], 1e-6),
                                            2) + unit("ms")
 
