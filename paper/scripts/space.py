@@ -39,7 +39,8 @@ def settings(scene):
 
 def numbers(n):
     pyramids = [row for row in rows("pyramids") if row["facets"] > 0]
-    for key, each in (("counts", lambda row: f"{row['facets']:.0f}"), ("bends", lambda row: tex(row["exact_angle"], 2))):
+    columns = {"counts": lambda row: f"{row['facets']:.0f}", "bends": lambda row: tex(row["exact_angle"], 2)}
+    for key, each in columns.items():
         *first, last = map(each, pyramids)
         n[f"space/facet_{key}"] = ", ".join(first) + r"\text{ and }" + last
     for key, found in limits().items():
