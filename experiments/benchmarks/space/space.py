@@ -106,7 +106,7 @@ def draw(rows, folder):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    page, grid = plt.subplots(1, len(scenes), figsize=(5 * len(scenes), 4.6), squeeze=False)
+    page, grid = plt.subplots(1, len(scenes), figsize=(5 * len(scenes), 6), squeeze=False)
     for axis, scene in zip(grid[0], scenes):
         own = [row for row in rows if row["scene"] == scene and row["error"] != ""]
         for key in dict.fromkeys((row["program"], row["setting"]) for row in own):
@@ -116,7 +116,7 @@ def draw(rows, folder):
                         label=", ".join(key))
         axis.set(title=scene, xlabel="processor time [s]", ylabel="error of the end [m]")
         if axis.lines:
-            axis.legend(fontsize=6)
+            axis.legend(fontsize=6, ncol=2, loc="upper center", bbox_to_anchor=(0.5, -0.13))
     page.tight_layout()
     page.savefig(folder / "space.png", dpi=150)
     page.savefig(folder / "space.svg", metadata={"Date": None})
