@@ -115,10 +115,11 @@ template <class Space> void ReactionsOf<Space>::gather(const RunSampleOf<Space>&
     for (std::size_t r = first; r < first + rows; ++r) {
       const RowOf<Space>& row = terms_.G[r];
       const double force = lambda_[static_cast<Index>(r)] / h;
-      if (row.b >= 0)
-        add(row.jb, force, arm(j, terms_.at, true), terms_.at, row.b, all_[joint]);
-      else
-        add(row.ja, -force, arm(j, terms_.at, false), terms_.at, row.a, all_[joint]);
+      const auto [one, other] = bodies_of(j);  // a row may have them the other way round
+      const bool second = other >= 0;
+      const BodyId body = second ? other : one;
+      add(row.b == body ? row.jb : row.ja, second ? force : -force, arm(j, terms_.at, second), terms_.at, body,
+          all_[joint]);
     }
   });
 }

@@ -180,6 +180,25 @@ double swing_of(const std::vector<Body>& bodies, const Spring& spring, double st
   return 0;
 }
 
+/// h c (1/m_a + 1/m_b) of a damper between two bodies, or of drag: the part of a velocity that a step takes; 0 of one
+/// between joints.
+template <class Body, class Spring>
+double slowed_by(const std::vector<Body>& bodies, const Spring& spring, double step) {
+  if constexpr (requires { spring.a; }) {
+    const auto inverse = [&](BodyId b) {
+      if (b < 0) return 0.0;
+      if constexpr (requires { spring.turning; })
+        return 1 / (spring.turning ? bodies[entry_of(b)].inertia.trace() / 3 : bodies[entry_of(b)].mass);
+      else if constexpr (requires { spring.point_a; })
+        return 1 / bodies[entry_of(b)].mass;
+      else
+        return 1 / bodies[entry_of(b)].inertia;
+    };
+    return step * spring.damping * (inverse(spring.a) + inverse(spring.b));
+  }
+  return 0;
+}
+
 template <class Space>
 void add_coarse_steps(const SystemOf<Space>& system, const Run& run, double step, std::vector<std::string>& to) {
   const auto& bodies = system.scene().bodies;
@@ -188,6 +207,12 @@ void add_coarse_steps(const SystemOf<Space>& system, const Run& run, double step
         angle > kSwing)
       to.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring), "\" swings by ",
                             angle, " rad in a step: its motion is not resolved, and near contacts energy may rise"));
+  for (const auto& spring : system.scene().springs)
+    if (const double share = std::visit([&](const auto& s) { return slowed_by(bodies, s, step); }, spring);
+        share > kDamped)
+      to.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring),
+                            "\" damps its bodies ", share,
+                            " times within a step: their velocities may swing from step to step, and bodies drift"));
   double turn = 0;
   std::size_t fastest = 0;
   for (const State& x : {system.initial_state(), run.final})

@@ -83,7 +83,7 @@ Measured<Vector3d> measured(const spatial::Contact& contact) {
     return limit->of.angle() ? Measured<Vector3d>{1, OverlapScale::angle}
                              : Measured<Vector3d>{kInf, OverlapScale::length};
   if (const auto* teeth = std::get_if<spatial::Backlash>(&contact)) {
-    const double most = std::min(teeth->gear.period(), 1.0);
+    const double most = teeth->play > 0 ? teeth->play : std::min(teeth->gear.period(), 1.0);
     return {most, teeth->gear.second.angle() ? OverlapScale::angle : OverlapScale::length};
   }
   return {};

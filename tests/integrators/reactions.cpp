@@ -104,3 +104,41 @@ TEST_CASE("reactions in an impact with friction balance the momentum of a body o
     CHECK((sum - (3 * (end - start) + 3 * 9.81 * t * Vector3d::UnitZ() - pushed)).norm() < 2e-3 * sum.norm());
   }
 }
+
+TEST_CASE("each kind of joint in space holds the same cantilever with the same force and moment, in either order") {
+  for (const std::string type : {"fixed", "prismatic", "cylindrical", "screw", "revolute"})
+    for (const bool other_way : {false, true}) {
+      CAPTURE(type);
+      CAPTURE(other_way);
+      const std::string axis = type == "fixed" ? "" : "axis = [1, 0, 0]\n";
+      const std::string ends = other_way ? "bodies = ['beam', 'ground']\npoint_a = [-0.5, 0, 0]\npoint_b = [1, 0, 0]\n"
+                                         : "bodies = ['ground', 'beam']\npoint_a = [1, 0, 0]\npoint_b = [-0.5, 0, 0]\n";
+      const SpatialSystem system(std::get<spatial::Scene>(
+          reaction_scene("dimension = 3\ngravity = [0, 0, -10]\n[[body]]\nname = 'beam'\nmass = 2\n"
+                         "inertia = [0.1, 0.2, 0.3]\nposition = [1.5, 0, 0]\n[[joint]]\ntype = '" +
+                         type + "'\n" + ends + axis + (type == "screw" ? "pitch = 0.1\n" : ""))));
+      std::vector<ReactionOf<Spatial>> last;
+      with_reactions(system, "moreau-jean", 1e-2, 0.05, [&](const SpatialSample&, const auto& all) { last = all; });
+      const double sign = other_way ? -1 : 1;  // of what the beam exerts on the ground
+      CHECK(std::abs(last[0].force[2] - sign * 20) < 1e-9);
+      CHECK(std::abs(last[0].moment[1] + sign * 10) < 1e-9);
+      CHECK(std::abs(last[0].force[0]) + std::abs(last[0].moment[0]) + std::abs(last[0].moment[2]) < 1e-9);
+    }
+}
+
+TEST_CASE("a drive's reaction is the moment that turns its body, in the plane and in space") {
+  // J θ'' = M of the drive: θ = sin(2 t), J = 0.3: M(0.2) = −4 · 0.3 sin(0.4) about z.
+  const std::string hinge = "[[joint]]\ntype = 'revolute'\nname = 'hinge'\nbodies = ['ground', 'arm']\n";
+  const std::string drive = "[[joint]]\ntype = 'drive'\njoint = 'hinge'\namplitude = 1\nomega = 2\n";
+  const std::string body = "[[body]]\nname = 'arm'\nmass = 1\ninertia = 0.3\n";
+  const double mean = -4 * 0.3 * (std::cos(0.398) - std::cos(0.4)) / (2 * 1e-3);
+  const System plane(std::get<Scene>(reaction_scene(body + "omega = 2\n" + hinge + drive)));
+  double found = 0;
+  with_reactions(plane, "moreau-jean", 1e-3, 0.2, [&](const RunSample&, const auto& all) { found = all[1].moment[0]; });
+  CHECK(std::abs(found - mean) < 1e-3);
+  const SpatialSystem space(std::get<spatial::Scene>(
+      reaction_scene("dimension = 3\n" + body + "omega = [0, 0, 2]\n" + hinge + "axis = [0, 0, 1]\n" + drive)));
+  with_reactions(space, "moreau-jean", 1e-3, 0.2,
+                 [&](const SpatialSample&, const auto& all) { found = all[1].moment[2]; });
+  CHECK(std::abs(found - mean) < 1e-3);
+}

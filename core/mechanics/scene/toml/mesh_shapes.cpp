@@ -30,6 +30,7 @@ const models::MeshHull& SpatialReader::mesh(Fields& f) {
   const toml::node& node = *f.table().get("file");
   std::string name;
   f.need("file", name);
+  if (name.empty() || name.find('\0') != std::string::npos) f.refuse("file", node, "the name of a file");
   double all = 1;
   Vector3d scale(1, 1, 1);
   if (const toml::node* given = f.table().get("scale"); given != nullptr && given->is_array())

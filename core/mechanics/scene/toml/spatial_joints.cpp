@@ -81,6 +81,8 @@ spatial::Gear SpatialReader::gear_of(Fields& f, bool rack, const std::string& na
   const auto two = [&] {
     const toml::array* names = joints->as_array();
     if (names == nullptr || names->size() != 2) f.refuse("joints", *joints, "two names [\"first\", \"second\"]");
+    if (names->get(0)->value<std::string>() == names->get(1)->value<std::string>())
+      f.refuse("joints", *joints, "two different joints");
     return std::pair{free_of(f, "joints", *names->get(0), "angle"),
                      free_of(f, "joints", *names->get(1), rack ? "displacement" : "angle")};
   };

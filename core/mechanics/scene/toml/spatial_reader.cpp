@@ -160,6 +160,7 @@ void SpatialReader::spring(Fields& f) {
   } else if (type == "drag") {
     spatial::DragLaw law;
     const BodyId body = body_of(f);
+    if (body == kGround) f.refuse("body", *f.table().get("body"), "a body that moves");
     f.maybe("point", law.point), f.maybe("linear", law.linear), f.maybe("quadratic", law.quadratic);
     f.maybe("angular", law.angular), f.maybe("angular_quadratic", law.angular_quadratic);
     for (const auto& [key, value] :
