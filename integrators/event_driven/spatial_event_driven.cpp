@@ -195,7 +195,7 @@ double SpatialEventDriven::first_guess() const {
 }
 
 /// A step of s to trial_: its error over the tolerance; infinity: there is none.
-double SpatialEventDriven::attempt(double s) {
+double SpatialEventDriven::attempt(double s, bool whatever) {
   if (!flow_.step(motion_, start_, now_.a, now_.force, s, stop_, trial_.q, trial_.v)) return kInf;
   const double rtol = options_.rtol, atol = options_.atol;
   for (Index i = 0; i < system_.bodies(); ++i) {
@@ -209,7 +209,7 @@ double SpatialEventDriven::attempt(double s) {
                      rtol * std::max(rotation<Spatial>(now_.v, i).norm(), rotation<Spatial>(trial_.v, i).norm()));
   }
   double error = flow_.error(s, path_scale_, v_scale_);
-  if (!(error <= 1)) return std::isnan(error) ? kInf : error;
+  if (!(error <= 1) && !(whatever && error < kInf)) return std::isnan(error) ? kInf : error;
   path_ = flow_.path();
   v_within_ = trial_.v;
   trial_.residual = motion_.project(time_ + s, trial_.q, trial_.v);

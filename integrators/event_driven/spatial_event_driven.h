@@ -115,7 +115,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   bool advance(double h, Solver& solver, StepReport& report);
   double longest(double rest) const;
   double first_guess() const;
-  double attempt(double s);
+  /// whatever: trial_ is watched at any error: a part of an accepted step may exceed the tolerance by rounding.
+  double attempt(double s, bool whatever = false);
   bool observe(Point& p, double t);
   bool turned() const;
   double left_out(std::size_t k) const;

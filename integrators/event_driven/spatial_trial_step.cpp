@@ -198,14 +198,14 @@ bool SpatialEventDriven::land(const Sign& sign, double& s) {
   const double zero = slack(sign), whole = s, start = value(sign, now_);
   if (sign.watch == Watch::stop) return true;
   double low = 0, f_low = start, high = s, f_high = value(sign, trial_);
-  const auto restore = [&] { return attempt(s = whole) < kInf; };
+  const auto restore = [&] { return attempt(s = whole, true) < kInf; };
   if (!(f_high < -zero)) {
     bool found = false;
     const auto between = [&](double part) { return sign.x + part * (1 - sign.x); };
     for (const double at : {sign.deep, sign.x, between(1.0 / 64), between(1.0 / 16), between(1.0 / 4), between(0.5)}) {
       high = whole * at;
       if (!(high > 0)) high = 1e-3 * whole;
-      if (!(attempt(high) < kInf)) continue;
+      if (!(attempt(high, true) < kInf)) continue;
       f_high = value(sign, trial_);
       found = f_high < -zero;
       if (found) break;
@@ -216,7 +216,7 @@ bool SpatialEventDriven::land(const Sign& sign, double& s) {
   double guess = std::clamp(sign.x * whole, 0.0, high);
   if (guess <= 0 || guess >= high) guess = high / 2;
   for (int i = 0; i < kIterations; ++i) {
-    if (!(attempt(guess) < kInf)) return restore(), false;
+    if (!(attempt(guess, true) < kInf)) return restore(), false;
     const double f = value(sign, trial_);
     s = guess;
     if (std::abs(f) <= enough && (sign.watch != Watch::gap || trial_.w.gap_rate[sign.contact] < 0 || f < 0)) break;
