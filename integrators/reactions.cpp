@@ -1,27 +1,11 @@
+#include <orthant/core/mechanics/dynamics/each_joint.h>
 #include <orthant/integrators/reactions.h>
 
-#include <cmath>
+#include <algorithm>
 #include <type_traits>
 
 namespace orthant {
 namespace {
-
-/// Calls what(joint, first row, rows).
-template <class Space, class What> void each_joint(const SystemOf<Space>& system, What&& what) {
-  std::size_t joint = 0, row = 0;
-  for (const auto& element : system.scene().joints) {
-    const std::size_t rows = std::visit(
-        [](const auto& j) -> std::size_t {
-          if constexpr (requires { j.row_count(); })
-            return static_cast<std::size_t>(j.row_count());
-          else
-            return static_cast<std::size_t>(j.kRows);
-        },
-        element);
-    std::visit([&](const auto& j) { what(joint, j, row, rows); }, element);
-    ++joint, row += rows;
-  }
-}
 
 /// [m] from the centre of a body, in the world, to the joint's point on it.
 template <class Joint> Vector2d arm(const Joint& j, const Kinematics& at, bool second) {
@@ -111,16 +95,17 @@ template <class Space> void ReactionsOf<Space>::gather(const RunSampleOf<Space>&
     apply_transposed(system_.scene().frictions[i].of.row(terms_.at), moment.frictions[i], missing_.data());
   if (!basic_.factorize(system_, terms_)) return;
   basic_.solve(missing_.data(), none_.data(), x_.data(), lambda_.data());
-  each_joint(system_, [&](std::size_t joint, const auto& j, std::size_t first, std::size_t rows) {
-    for (std::size_t r = first; r < first + rows; ++r) {
-      const RowOf<Space>& row = terms_.G[r];
-      const double force = lambda_[static_cast<Index>(r)] / h;
-      const auto [one, other] = bodies_of(j);  // a row may have them the other way round
-      const bool second = other >= 0;
-      const BodyId body = second ? other : one;
-      add(row.b == body ? row.jb : row.ja, second ? force : -force, arm(j, terms_.at, second), terms_.at, body,
-          all_[joint]);
+  auto reaction = all_.begin();
+  each_joint(system_, [&](const auto& j, int first) {
+    const auto [one, other] = bodies_of(j);  // a row may have them the other way round
+    const bool second = other >= 0;
+    const BodyId body = second ? other : one;
+    for (int r = first; r < first + rows_of_joint(j); ++r) {
+      const RowOf<Space>& row = terms_.G[static_cast<std::size_t>(r)];
+      const double force = (second ? lambda_[r] : -lambda_[r]) / h;
+      add(row.b == body ? row.jb : row.ja, force, arm(j, terms_.at, second), terms_.at, body, *reaction);
     }
+    ++reaction;
   });
 }
 

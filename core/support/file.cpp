@@ -119,6 +119,10 @@ void check_readable(const std::filesystem::path& path) {
     throw std::runtime_error(path.string() + ": cannot read: is no regular file");
 }
 
+bool lies_in(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+}
+
 void check_writable(const std::filesystem::path& file) {
   const std::filesystem::path path = target_of(file);
   const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");

@@ -32,6 +32,9 @@ std::filesystem::path temporary_name(std::filesystem::path path);
 /// Temporary files that killed processes left: their names hold the number of an ended process, or of this one.
 std::vector<std::filesystem::path> leftovers_beside(const std::filesystem::path& path);
 
+/// Whether `file` is in `folder` or below it; both canonical.
+bool lies_in(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 /// Throws std::runtime_error when `path` is no regular file that can be read (a folder or a device, say).
 void check_readable(const std::filesystem::path& path);
 

@@ -185,6 +185,8 @@ double swing_of(const std::vector<Body>& bodies, const Spring& spring, double st
 template <class Body, class Spring>
 double slowed_by(const std::vector<Body>& bodies, const Spring& spring, double step) {
   if constexpr (requires { spring.a; }) {
+    if constexpr (requires { spring.component; })
+      if (spring.component != 0) return 0;  // of drag once for its three axes
     const auto inverse = [&](BodyId b) {
       if (b < 0) return 0.0;
       if constexpr (requires { spring.turning; })
@@ -202,17 +204,17 @@ double slowed_by(const std::vector<Body>& bodies, const Spring& spring, double s
 template <class Space>
 void add_coarse_steps(const SystemOf<Space>& system, const Run& run, double step, std::vector<std::string>& to) {
   const auto& bodies = system.scene().bodies;
-  for (const auto& spring : system.scene().springs)
-    if (const double angle = std::visit([&](const auto& s) { return swing_of(bodies, s, step); }, spring);
-        angle > kSwing)
-      to.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring), "\" swings by ",
-                            angle, " rad in a step: its motion is not resolved, and near contacts energy may rise"));
-  for (const auto& spring : system.scene().springs)
-    if (const double share = std::visit([&](const auto& s) { return slowed_by(bodies, s, step); }, spring);
-        share > kDamped)
-      to.push_back(words_of("spring \"", std::visit([](const auto& s) { return s.name; }, spring),
-                            "\" damps its bodies ", share,
-                            " times within a step: their velocities may swing from step to step, and bodies drift"));
+  for (const auto& any : system.scene().springs)
+    std::visit(
+        [&](const auto& spring) {
+          if (const double angle = swing_of(bodies, spring, step); angle > kSwing)
+            to.push_back(words_of("spring \"", spring.name, "\" swings by ", angle,
+                                  " rad in a step: its motion is not resolved, and near contacts energy may rise"));
+          if (const double share = slowed_by(bodies, spring, step); share > kDamped)
+            to.push_back(words_of("spring \"", spring.name, "\" has a damping of ", share,
+                                  " times mass over step: velocities may swing from step to step, and bodies drift"));
+        },
+        any);
   double turn = 0;
   std::size_t fastest = 0;
   for (const State& x : {system.initial_state(), run.final})

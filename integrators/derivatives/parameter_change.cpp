@@ -185,7 +185,7 @@ void choose_step(const RunParameter& parameter, const System& system, double dur
   double step = first;
   std::optional<StepError> error = measured(step);
   if (!error) refuse("the scene must exist on one side of its value: " + why);
-  if (error->rounding >= 1 && step < of_zero) {  // a value that is zero but for rounding
+  if (error->rounding >= 1 && step < of_zero) {  // a value of rounding only: as zero
     error = measured(of_zero);
     if (error)
       step = of_zero;

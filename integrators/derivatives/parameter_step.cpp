@@ -111,7 +111,7 @@ template <class Samples> void take_elements(const ParameterChange& change, const
     });
 }
 
-/// all: contacts too that may stand for another corner beside the value.
+/// all: also contacts that may be those of another corner at values nearby.
 template <class Samples>
 void take_all(const ParameterChange& change, const System& system, double duration, bool all, Samples& samples) {
   constexpr double kTimes[] = {0, 0.381966, 1};  // of the duration

@@ -1,6 +1,7 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/fixed_step/two_level.h>
 #include <orthant/integrators/step/projection.h>
+#include <orthant/integrators/step/underflow.h>
 
 #include <algorithm>
 #include <cmath>

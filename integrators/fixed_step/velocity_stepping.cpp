@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/fixed_step/velocity_stepping.h>
+#include <orthant/integrators/step/underflow.h>
 
 namespace orthant {
 

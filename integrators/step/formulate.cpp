@@ -1,6 +1,6 @@
-#include <orthant/integrators/step/disc_cases.h>
 #include <orthant/integrators/step/formulate.h>
 #include <orthant/integrators/step/no_solution_message.h>
+#include <orthant/solvers/proof/disc_cases.h>
 
 namespace orthant {
 

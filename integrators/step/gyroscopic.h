@@ -19,16 +19,7 @@
 
 #include <orthant/core/mechanics/dynamics/system.h>
 
-#include <cmath>
-
 namespace orthant {
-
-/// Numbers below 1e-200 become 0. Motion in a plane leaves such remainders across it, which fall below the range of
-/// normal numbers: a processor takes a hundred times as long with those.
-inline void drop_underflow(Eigen::VectorXd& x) {
-  for (double& value : x)
-    if (std::abs(value) < 1e-200) value = 0;
-}
 
 struct StepFrames {
   double h = 0, at = 0.5, theta = 0.5;  // [s], a, θ

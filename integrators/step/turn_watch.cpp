@@ -80,7 +80,7 @@ bool TurnWatch::follow(double t, const Eigen::VectorXd& q, const Eigen::VectorXd
     if (any_ && h * fastest > most_ / kFullTurn * turn.period)
       why_ = name + (teeth ? " changes by up to " : " turns by up to ") + detail::text_of(h * fastest) +
              (teeth ? "" : " rad") + " in one step, to t = " + detail::text_of(t) + " s, so that its " +
-             (teeth ? "teeth" : "turns") + " cannot be told: must be a smaller step";
+             (teeth ? "teeth" : "turns") + " cannot be counted: must be a smaller step";
     else if (!(std::abs(turn.value - turn.middle) < turn.period / 2))
       why_ = teeth
                  ? name + " has changed by " + detail::text_of(turn.value) + when +

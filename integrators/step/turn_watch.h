@@ -24,7 +24,7 @@ class TurnWatch {
 
   bool empty() const { return turns_.empty(); }
 
-  /// The next state; the first one is the start. False: why() says which angle cannot be told from there on.
+  /// The next state; the first one is the start. False: why() names the angle that cannot be followed from there on.
   bool follow(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   const std::string& why() const { return why_; }
 

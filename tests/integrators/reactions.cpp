@@ -58,6 +58,7 @@ TEST_CASE("the pin of a swinging rod holds it with m (a - g): error of second or
         });
         CHECK(worst[level] < 40 * h);
       }
+      MESSAGE(integrator << ": " << worst[0] << ", " << worst[1]);
       if (worst[0] > 1e-9) CHECK(worst[1] < 0.6 * worst[0]);
     }
   }

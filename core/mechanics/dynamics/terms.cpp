@@ -1,3 +1,4 @@
+#include <orthant/core/mechanics/dynamics/each_joint.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/support/simd2.h>
 
@@ -84,25 +85,6 @@ void evaluate_forces(const SystemOf<Space>& system, double t, const Eigen::Vecto
     apply_transposed(terms.springs[i].row, -terms.springs[i].tension, terms.f.data());
   }
 }
-
-namespace {
-
-/// Calls what(joint, first row) over all joints.
-template <class Space, class What> void each_joint(const SystemOf<Space>& system, What&& what) {
-  int row = 0;
-  for (const auto& joint : system.scene().joints)
-    std::visit(
-        [&](const auto& j) {
-          what(j, row);
-          if constexpr (requires { j.row_count(); })
-            row += j.row_count();
-          else
-            row += j.kRows;
-        },
-        joint);
-}
-
-}  // namespace
 
 template <class Space> void evaluate_joint_residual(const SystemOf<Space>& system, TermsOf<Space>& terms) {
   each_joint(system, [&](const auto& joint, int row) { joint.residual(terms.at, terms.phi.data() + row); });

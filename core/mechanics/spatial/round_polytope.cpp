@@ -92,7 +92,7 @@ CorePart part_over(const Segment& core, const Hull& hull, const Hull::Face& face
 }
 
 /// Between the planes through an edge's ends, square to it.
-CorePart part_beside(const Segment& core, const Segment& edge) {
+CorePart part_along(const Segment& core, const Segment& edge) {
   CorePart part;
   const Vector3d along = edge.q - edge.p;
   part.cut(along.dot(edge.p - core.p), along.dot(edge.p - core.q));
@@ -173,7 +173,7 @@ bool touch_outside(const Segment& core, double radius, const Hull& hull, Candida
       if (const CorePart::End far = part.farther(s_least); far.edge == nullptr || !far.edge->covered) add_at(far.s);
   if (const Hull::Edge* e = edge_along(hull, on, core.q - core.p); e != nullptr) {
     const Segment edge = line_of(hull, *e);
-    if (const CorePart part = part_beside(core, edge); !part.empty()) {
+    if (const CorePart part = part_along(core, edge); !part.empty()) {
       const double s = part.farther(s_least).s;
       if (!straight_on(hull, *e, edge.nearest(core.at(s)) > 0.5)) add_at(s);
     }

@@ -35,7 +35,7 @@ TouchPoint grown(const Vector3d& p, double radius_p, const Vector3d& r, double r
 namespace {
 
 /// Whether the foot of the perpendicular from x lies on the segment, ends included.
-bool beside(const Segment& a, const Vector3d& x) {
+bool foot_on(const Segment& a, const Vector3d& x) {
   constexpr double kEnd = 1e-9;
   const double s = (x - a.p).dot(a.q - a.p) / (a.q - a.p).squaredNorm();
   return s > -kEnd && s < 1 + kEnd;
@@ -62,7 +62,7 @@ TouchPoints touch_round(const Segment& a, double radius_a, const Segment& b, dou
   std::size_t count = 0;
   found[count++] = grown(a.at(s), radius_a, b.at(t), radius_b);
   if (a.p != a.q && b.p != b.q) {
-    // Of the ends beside the other core the first and the last one along both.
+    // Of the ends whose foot lies on the other core: the first and the last one along both.
     const Vector3d u = (a.q - a.p).normalized(), w = (b.q - b.p).normalized(), along = u + (u.dot(w) < 0 ? -1 : 1) * w;
     TouchPoint first, last;
     double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -72,9 +72,9 @@ TouchPoints touch_round(const Segment& a, double radius_a, const Segment& b, dou
       if (at > most) most = at, last = grown(on_a, radius_a, on_b, radius_b);
     };
     for (const Vector3d* end : {&a.p, &a.q})
-      if (beside(b, *end)) take(*end, b.at(b.nearest(*end)));
+      if (foot_on(b, *end)) take(*end, b.at(b.nearest(*end)));
     for (const Vector3d* end : {&b.p, &b.q})
-      if (beside(a, *end)) take(a.at(a.nearest(*end)), *end);
+      if (foot_on(a, *end)) take(a.at(a.nearest(*end)), *end);
     if (most >= least) found[count++] = first, found[count++] = last;
   }
   TouchPoints points;

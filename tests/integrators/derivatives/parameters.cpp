@@ -105,7 +105,7 @@ omega = 200
   CHECK(std::abs(by_motion(driven, fast, 3).first - by) < 1e-7 * std::abs(by));
 }
 
-TEST_CASE("tangents by values that are zero but for rounding: as by zero itself") {
+TEST_CASE("tangents by values below rounding are those by zero") {
   const auto with = [](const std::string& value) {
     return "gravity = [0, -9.81]" + kPushed + R"(
 position = [0, 1.0]

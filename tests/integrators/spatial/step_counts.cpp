@@ -1,4 +1,5 @@
-// Steps of adaptive and event-driven in space where they once shrank without end: slip next to zero, pins in bushes.
+// Steps of adaptive and event-driven in space: where they once shrank without end (slip next to zero, pins in bushes),
+// and landings that do not depend on the output step.
 #include "tests/support/spatial.h"
 
 #include <orthant/core/mechanics/scene/scene_toml.h>
@@ -68,5 +69,18 @@ TEST_CASE("a pin that rolls round in its bush costs no more steps than its bounc
       CHECK(run.accepted + run.rejected < 3000);
       CHECK(run.crossings == 0);
     }
+  }
+}
+
+TEST_CASE("event-driven lands a ball at the same place whatever the output step") {
+  const SpatialSystem system(std::get<spatial::Scene>(
+      read_any_scene(ORTHANT_TEST_DATA "/billiards_landing.toml", std::vector<std::string>{})));
+  State first;
+  for (int i = 0; i < 60; ++i) {
+    const double step = 0.01 + 0.005 * i + 0.00013 * (i % 7);
+    CAPTURE(step);
+    const Run run = run_in_space(system, "event-driven", step, system.scene().duration);
+    if (i == 0) first = run.final;
+    CHECK((run.final.q - first.q).lpNorm<Eigen::Infinity>() < 1e-6);
   }
 }

@@ -107,7 +107,7 @@ TEST_CASE("a step of fixed length in which an angle in space may turn by half a 
     const bool divides = integrator == "adaptive" || integrator == "event-driven";
     CHECK(fast.run.status == (divides ? Status::solved : Status::numerical_error));
     INFO(fast.run.why);
-    CHECK((fast.run.why.find("so that its turns cannot be told: must be a smaller step") != std::string::npos) !=
+    CHECK((fast.run.why.find("so that its turns cannot be counted: must be a smaller step") != std::string::npos) !=
           divides);
   }
 }

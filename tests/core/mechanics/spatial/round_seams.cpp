@@ -8,8 +8,8 @@ using namespace orthant;
 
 namespace {
 
-/// Whether an end of a capsule is beside a square, of 2 `half` a side about the origin.
-bool beside_square(const spatial::Shape& shape, const spatial::Pose& pose, double half) {
+/// Whether an end of a capsule is outside a square about the origin, of sides 2 `half`.
+bool outside_square(const spatial::Shape& shape, const spatial::Pose& pose, double half) {
   return std::any_of(shape.corners.begin(), shape.corners.end(), [&](const Vector3d& end) {
     const Vector3d x = pose.x + pose.turn(end);
     return std::max(std::abs(x.x()), std::abs(x.y())) > half;
@@ -53,12 +53,12 @@ TEST_CASE("a capsule over terrain is as far from it as from the nearest prism, o
       CAPTURE(p);
       const PlacedShape capsule{c.shapes[0], pose};
       const double lowest = std::min(capsule.end(false).z(), capsule.end(true).z());
-      if (k % 3 == 0 && lowest > -0.3 && !beside_square(c.shapes[0], pose, 0.65))
+      if (k % 3 == 0 && lowest > -0.3 && !outside_square(c.shapes[0], pose, 0.65))
         CHECK(std::abs(together - (lowest - kRodRadius)) < 1e-9);
       if (alone < -kRodRadius + 1e-9) continue;  // its core is in the ground
       ++near;
       CHECK(std::abs(together - alone) < 1e-9);
-      if (k % 3 != 0 || beside_square(c.shapes[0], pose, 1)) continue;
+      if (k % 3 != 0 || outside_square(c.shapes[0], pose, 1)) continue;
       for (std::size_t i = 1; i < c.shapes.size(); ++i) {
         const spatial::TouchPoints points = touch(pose, c.shapes[0], here, c.shapes[i]);
         for (int q = 0; q < points.count; ++q) CHECK(points.at(q).n.z() > 0.999);

@@ -134,7 +134,7 @@ TEST_CASE("mistakes in scenes in space name file or override, element, key, valu
         std::string::npos);
 }
 
-TEST_CASE("angles in space: axes that no joint keeps, and starts from which turns cannot be told, are refused") {
+TEST_CASE("angles in space: axes that no joint keeps, and starts that leave the number of turns open, are refused") {
   const auto said = [](const std::string& joint, const std::string& reader) -> std::string {
     try {
       static_cast<void>(

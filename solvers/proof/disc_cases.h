@@ -1,4 +1,4 @@
-// integrators/step/disc_cases.h — exhaustion of contact cases: a problem with friction discs has no solution.
+// solvers/proof/disc_cases.h — exhaustion of contact cases: a problem with friction discs has no solution.
 //
 //   Each contact is open, sticks, or slides along d(θ) with z_T = −μ z_n d(θ), w_T = κ d(θ), κ ≥ 0. With θ in an arc
 //   [α, β] this lies in linear bounds:

@@ -1,4 +1,4 @@
-#include <orthant/integrators/step/disc_cases.h>
+#include <orthant/solvers/proof/disc_cases.h>
 #include <orthant/solvers/proof/farkas.h>
 
 #include <algorithm>
