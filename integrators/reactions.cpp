@@ -2,10 +2,13 @@
 #include <orthant/integrators/reactions.h>
 
 #include <algorithm>
+#include <limits>
 #include <type_traits>
 
 namespace orthant {
 namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// [m] from the centre of a body, in the world, to the joint's point on it.
 template <class Joint> Vector2d arm(const Joint& j, const Kinematics& at, bool second) {
@@ -93,7 +96,10 @@ template <class Space> void ReactionsOf<Space>::gather(const RunSampleOf<Space>&
   }
   for (std::size_t i = 0; i < moment.frictions.size(); ++i)
     apply_transposed(system_.scene().frictions[i].of.row(terms_.at), moment.frictions[i], missing_.data());
-  if (!basic_.factorize(system_, terms_)) return;
+  if (!basic_.factorize(system_, terms_)) {
+    for (ReactionOf<Space>& one : all_) one.force.fill(kUnknown), one.moment.fill(kUnknown);
+    return;
+  }
   basic_.solve(missing_.data(), none_.data(), x_.data(), lambda_.data());
   auto reaction = all_.begin();
   each_joint(system_, [&](const auto& j, int first) {

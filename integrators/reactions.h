@@ -24,7 +24,7 @@ template <class Space> class ReactionsOf {
 
   /// The next record. Of each joint of the scene what its first body exerts on its second one, or the reverse of what
   /// the second exerts on the first where the second is the ground; about that body's centre where a joint has no
-  /// point. Zero in the first record.
+  /// point. Zero in the first record; NaN where the joints' rows are not finite.
   const std::vector<ReactionOf<Space>>& next(const RunSampleOf<Space>& moment);
 
  private:

@@ -6,14 +6,7 @@
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
 
-#include <algorithm>
-
 namespace orthant::scene_file {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
 
 bool SpatialReader::names_mesh(Fields& f) {
   const bool named = f.find("file", Form::word) != nullptr;
@@ -34,6 +27,7 @@ const models::MeshHull& SpatialReader::mesh(Fields& f) {
   else if (f.maybe("scale", all))
     scale.setConstant(all);
   if (!(scale.cwiseAbs().minCoeff() > 0)) f.refuse("scale", *f.table().get("scale"), "not 0");
+  namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::is_regular_file(file_, error)) f.refuse("file", node, "left out: a scene without a file names no others");
   const fs::path folder = fs::canonical(file_).parent_path(), found = fs::weakly_canonical(folder / name, error);

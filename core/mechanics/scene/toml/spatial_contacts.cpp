@@ -207,10 +207,10 @@ void SpatialReader::contact(Fields& f) {
       if (!f.maybe("corners", corners)) f.fail(f.table(), "missing key \"corners\" or \"file\"");
       if (corners.empty()) f.refuse("corners", *f.table().get("corners"), "at least one point [x, y, z]");
     }
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      if (std::find(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(i), corners[i]) !=
-          corners.begin() + static_cast<std::ptrdiff_t>(i))
-        f.fail(f.table(), "corners: must be different points, point " + std::to_string(i + 1) + " is an earlier one");
+    for (auto corner = corners.begin(); corner != corners.end(); ++corner)
+      if (std::find(corners.begin(), corner, *corner) != corner)
+        f.fail(f.table(), "corners: must be different points, point " + std::to_string(corner - corners.begin() + 1) +
+                              " is an earlier one");
     scene_.contact_set(spatial::corners_plane(c, corners));
   } else if (type == "rim-wall" || type == "cylinder-wall" || type == "cone-wall") {
     rims(f, type, name);
