@@ -162,43 +162,24 @@ template <class Space> void add_rounding(const SystemOf<Space>& system, const Ru
                           " rad, rates to that over the step"));
 }
 
-/// [rad] ω h of a spring between two bodies; 0 of one between joints, and of drag.
-template <class Body, class Spring>
-double swing_of(const std::vector<Body>& bodies, const Spring& spring, double step) {
-  if constexpr (
-      requires { spring.a; } && !requires { spring.quadratic; }) {
-    constexpr bool turns = !requires { spring.point_a; };
-    const auto inverse = [&](BodyId b) {
-      if (b < 0) return 0.0;
-      if constexpr (turns)
-        return 1 / bodies[entry_of(b)].inertia;
-      else
-        return 1 / bodies[entry_of(b)].mass;
-    };
-    return step * std::sqrt(spring.stiffness * (inverse(spring.a) + inverse(spring.b)));
-  }
-  return 0;
-}
-
-/// h c (1/m_a + 1/m_b) of a damper between two bodies, or of drag: the part of a velocity that a step takes; 0 of one
-/// between joints.
-template <class Body, class Spring>
-double slowed_by(const std::vector<Body>& bodies, const Spring& spring, double step) {
-  if constexpr (requires { spring.a; }) {
-    if constexpr (requires { spring.component; })
-      if (spring.component != 0) return 0;  // of drag once for its three axes
-    const auto inverse = [&](BodyId b) {
-      if (b < 0) return 0.0;
+/// Σ 1/m or 1/J of the bodies that a spring or damper acts on; 0 of one between joints, and of drag but for its first
+/// axis.
+template <class Body, class Spring> double inverse_mass_of(const std::vector<Body>& bodies, const Spring& spring) {
+  double sum = 0;
+  if constexpr (requires { spring.component; })
+    if (spring.component != 0) return 0;
+  if constexpr (requires { spring.a; })
+    for (const BodyId b : {spring.a, spring.b}) {
+      if (b < 0) continue;
+      const Body& body = bodies[entry_of(b)];
       if constexpr (requires { spring.turning; })
-        return 1 / (spring.turning ? bodies[entry_of(b)].inertia.trace() / 3 : bodies[entry_of(b)].mass);
+        sum += 1 / (spring.turning ? body.inertia.trace() / 3 : body.mass);
       else if constexpr (requires { spring.point_a; })
-        return 1 / bodies[entry_of(b)].mass;
+        sum += 1 / body.mass;
       else
-        return 1 / bodies[entry_of(b)].inertia;
-    };
-    return step * spring.damping * (inverse(spring.a) + inverse(spring.b));
-  }
-  return 0;
+        sum += 1 / body.inertia;
+    }
+  return sum;
 }
 
 template <class Space>
@@ -207,10 +188,11 @@ void add_coarse_steps(const SystemOf<Space>& system, const Run& run, double step
   for (const auto& any : system.scene().springs)
     std::visit(
         [&](const auto& spring) {
-          if (const double angle = swing_of(bodies, spring, step); angle > kSwing)
+          const double inverse = inverse_mass_of(bodies, spring);
+          if (const double angle = step * std::sqrt(spring.stiffness * inverse); angle > kSwing)
             to.push_back(words_of("spring \"", spring.name, "\" swings by ", angle,
                                   " rad in a step: its motion is not resolved, and near contacts energy may rise"));
-          if (const double share = slowed_by(bodies, spring, step); share > kDamped)
+          if (const double share = step * spring.damping * inverse; share > kDamped)
             to.push_back(words_of("spring \"", spring.name, "\" has a damping of ", share,
                                   " times mass over step: velocities may swing from step to step, and bodies drift"));
         },
