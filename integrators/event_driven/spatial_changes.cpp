@@ -42,6 +42,7 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
   // of the velocities that it left.
   const double roundings = 256 + 64.0 * flight_.steps, since = flight_.time;
   flight_ = {};
+  struck_scale_.setZero();
   for (int c = 0; c < system_.contacts(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     const bool hit = event && event->watch == Watch::gap && event->contact == c, lasts = motion_.modes[i].lasting;
@@ -59,6 +60,7 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
   }
   if (struck > 1) close_together();
   if (struck > 0) {
+    struck_scale_ = now_.w.rate_scale;
     const bool plastic = accumulates();
     if (!impact(solver, plastic, report)) return false;
     // A contact that struck now, but has no part in the series that ends, has its own impact after it.
@@ -238,22 +240,58 @@ bool SpatialEventDriven::settle(Solver& solver, const std::optional<Sign>& event
       return give_up(status, transition_.why() + ", at t = " + detail::text_of(time_));
     }
     now_.residual = motion_.project(time_, now_.q, now_.v);
-    if (!observe(now_, time_)) return give_up(Status::numerical_error, "no accelerations after an event");
+    if (!observe(now_, time_) || !share_equally())
+      return give_up(Status::numerical_error, "no accelerations after an event");
     again = false;
     if (std::find(released_.begin(), released_.end(), true) == released_.end()) break;
     evaluate_closed(system_, kInf, motion_.terms());
     for (int c = 0; c < system_.contacts(); ++c) {  // pressed back by what else changes here
       const auto i = static_cast<std::size_t>(c);
-      if (!released_[i]) continue;
-      const double acceleration =
-          apply(motion_.terms().closed[i].rows.normal, now_.a.data()) + motion_.bias(c, now_.q, now_.v).normal;
-      if (acceleration < -kComesBack * now_.a.lpNorm<Eigen::Infinity>()) released_[i] = false, again = true;
+      if (released_[i] && goes_in(c)) released_[i] = false, again = true;
     }
     evaluate_closed(system_, motion_.lasting(), motion_.terms());
   }
   load_ = 0;
   note_changes(event.has_value() && !struck);
   return true;
+}
+
+/// Equal shares of forces that are not unique, where they hold. False: no accelerations.
+bool SpatialEventDriven::share_equally() {
+  const auto pushes = [&](int c) {  // [N], not [N m]
+    const auto& contact = system_.scene().contacts[static_cast<std::size_t>(c)];
+    return !std::holds_alternative<spatial::Limit>(contact) && !std::holds_alternative<spatial::Backlash>(contact);
+  };
+  if (!motion_.redundant() || !std::ranges::all_of(motion_.lasting(), pushes)) return true;
+  const std::vector<SpatialMode> found = motion_.modes;
+  for (const int c : motion_.lasting()) {
+    SpatialMode& mode = motion_.modes[static_cast<std::size_t>(c)];
+    mode.share_normal = 1, mode.share_tangent = static_friction(system_.law(c));
+  }
+  if (observe(now_, time_) && shares_hold()) return true;
+  motion_.modes = found;
+  return observe(now_, time_);
+}
+
+/// The forces at now_ push, within their cones, and no contact that touches without force goes in.
+bool SpatialEventDriven::shares_hold() {
+  const double zero = 1e-12 * now_.w.normal.lpNorm<Eigen::Infinity>();
+  for (const int c : motion_.lasting())
+    if (now_.w.normal[c] < -zero || (motion_.modes[static_cast<std::size_t>(c)].sticks && room(c, now_) < -zero))
+      return false;
+  evaluate_closed(system_, kInf, motion_.terms());
+  const bool open = std::ranges::none_of(transition_.candidates, [this](const auto& candidate) {
+    return !motion_.modes[static_cast<std::size_t>(candidate.contact)].lasting && goes_in(candidate.contact);
+  });
+  evaluate_closed(system_, motion_.lasting(), motion_.terms());
+  return open;
+}
+
+/// A contact without force that touches; the rows of all contacts have been evaluated.
+bool SpatialEventDriven::goes_in(int contact) {
+  const RowOf<Spatial>& normal = motion_.terms().closed[static_cast<std::size_t>(contact)].rows.normal;
+  const double acceleration = apply(normal, now_.a.data()) + motion_.bias(contact, now_.q, now_.v).normal;
+  return acceleration < -kComesBack * now_.a.lpNorm<Eigen::Infinity>();
 }
 
 void SpatialEventDriven::note_changes(bool touched) {
@@ -304,6 +342,7 @@ bool SpatialEventDriven::cross(Solver& solver, StepReport& report) {
     now_.q = crossed_.q, now_.v = crossed_.v;
     time_ += s;
     crowd_.end = time_, crowd_.steps = crowd_.standstill = 0;
+    struck_scale_.setZero();
     arc_.length = 0;
     motion_.open_all();
     stop_ = kInf;

@@ -15,7 +15,9 @@
 //   touching, so that what is simultaneous stays so. Impacts that come at ever shorter intervals,
 //   and no higher than `accumulation`, end in one without restitution (impact_series.h).
 //   Impulses are refined to rounding (solvers/refinement.h), since the tolerance of a solver would affect the later
-//   motion.
+//   motion. Contacts whose forces are not unique (a box on four corners) share their load equally, in the sense of least
+//   squares, where these forces push and stay within their cones: the solution that a solver finds depends on rounding,
+//   and the moment of friction on the share. Else they share it as the solver found.
 //   Sliding off: the direction is that of the solution at acceleration level, until the slip is no longer stiff or
 //   |γ_T| times the turn since reaches ten times rtol of the speeds and of what friction makes in a second.
 //   Crowds: where events continue without end (several steps in a row without progress) or an instant has no computable
@@ -142,6 +144,9 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   bool impact(Solver& solver, bool plastic, StepReport& report);
   bool accumulates();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);
+  bool share_equally();
+  bool shares_hold();
+  bool goes_in(int contact);
   bool cross(Solver& solver, StepReport& report);
   void note_changes(bool touched);
   void emit(double t, EventKind kind, int contact, const Impulse& impulse = {});
@@ -149,7 +154,10 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
 
   double gap_zero(int c) const { return 0x1p-52 * now_.w.gap_scale[c]; }
   bool stays(const Point& p, int c) const { return std::abs(p.w.gap[c]) <= kStays * gap_zero(c) + options_.touching; }
-  double rate_zero(int c) const { return options_.atol + 1e-12 * now_.w.rate_scale[c]; }
+  /// An impact leaves the rounding of the rates before it.
+  double rate_zero(int c) const {
+    return options_.atol + 1e-12 * std::max(now_.w.rate_scale[c], struck_scale_[c]);
+  }
   /// [m/s] slip below it is none: the error of some steps.
   double slip_zero(const Point& p) const {
     return options_.atol + 10 * (options_.rtol * p.v.lpNorm<Eigen::Infinity>() + motion_.slip_rounding(p.v));
@@ -198,6 +206,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   std::vector<RateTargetOf<Spatial>> targets_;
   std::vector<Impulse> struck_;
   std::vector<int> contacts_;
+  Eigen::VectorXd struck_scale_;  // [m/s] rate scales before the impact at now_; 0: there was none
   Eigen::VectorXd v_before_, none_, q_within_, v_within_;
   State crossed_;
   const FormulationOf<Spatial>* shown_;  // by problem(); null: the transition
