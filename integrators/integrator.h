@@ -43,6 +43,7 @@ struct StepReport {
   double energy_rise = 0;          // [J] the largest of them
   double energy_rise_time = kInf;  // [s] its time, from schemes that locate events; infinity: end of the step
   int plastic = 0;                 // problems that friction and restitution left without a solution, solved with e = 0
+  int undetermined = 0;            // inner steps with friction by a share of load that rigid bodies do not determine
   Passage passage;                 // of bodies through each other, unseen, of schemes of fixed step
 
   /// A step that is solved so far.

@@ -48,6 +48,9 @@ template <class RunType, class Visit> void visit_fields(RunType& run, Visit&& vi
   visit("first_rounded_time", "s", "end of the first such step", run.first_rounded_time);
   visit("plastic_steps", "", "steps with impacts that friction kept from rebounding", run.plastic_steps);
   visit("first_plastic_time", "s", "end of the first such step", run.first_plastic_time);
+  visit("undetermined_steps", "", "steps in which friction depends on a share of load that rigid bodies leave open",
+        run.undetermined_steps);
+  visit("first_undetermined_time", "s", "end of the first such step", run.first_undetermined_time);
   visit("lcp_solves", "", "problems solved", run.lcp_solves);
   visit("lcp_iterations", "", "iterations of the solver in them", run.lcp_iterations);
 }

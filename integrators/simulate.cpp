@@ -168,6 +168,7 @@ void note(const StepReport& report, Run& run) {
   if (report.rounded > 0 && run.rounded_steps++ == 0)
     run.first_rounded = words_of(report.miss), run.first_rounded_time = run.final.t;
   if (report.plastic > 0 && run.plastic_steps++ == 0) run.first_plastic_time = run.final.t;
+  if (report.undetermined > 0 && run.undetermined_steps++ == 0) run.first_undetermined_time = run.final.t;
   run.max_joint_residual = std::max(run.max_joint_residual, report.joint_residual);
   if (report.penetration > run.max_penetration) {
     run.max_penetration = report.penetration;

@@ -24,15 +24,17 @@ struct Run {
   double max_joint_rate = 0;        // [m/s, rad/s], of schemes that satisfy the joints at velocity level
   long accepted = 0, rejected = 0;  // inner steps
   long lcp_solves = 0, lcp_iterations = 0;
-  long rounded_steps = 0;            // steps with a problem that is rounded only (Status::rounded)
-  double first_rounded_time = kInf;  // [s] the end of the first such step; infinity: there is none
-  std::string first_rounded;         // what it misses, in words
-  long plastic_steps = 0;            // steps with impacts that friction kept from rebounding (formulate.h)
-  double first_plastic_time = kInf;  // [s] the end of the first such step; infinity: there is none
-  long events = 0;                   // located
-  long crossings = 0;                // of crowds of events, see StepReport
-  double error_estimate = 0;         // [m, rad] of the final q, see StepReport; 0: the scheme has none
-  long energy_rises = 0;             // impacts (impact.h) and crossings that raised it
+  long rounded_steps = 0;                 // steps with a problem that is rounded only (Status::rounded)
+  double first_rounded_time = kInf;       // [s] the end of the first such step; infinity: there is none
+  std::string first_rounded;              // what it misses, in words
+  long plastic_steps = 0;                 // steps with impacts that friction kept from rebounding (formulate.h)
+  double first_plastic_time = kInf;       // [s] the end of the first such step; infinity: there is none
+  long undetermined_steps = 0;            // steps with friction by a share of load that rigid bodies do not determine
+  double first_undetermined_time = kInf;  // [s] the end of the first such step; infinity: there is none
+  long events = 0;                        // located
+  long crossings = 0;                     // of crowds of events, see StepReport
+  double error_estimate = 0;              // [m, rad] of the final q, see StepReport; 0: the scheme has none
+  long energy_rises = 0;                  // impacts (impact.h) and crossings that raised it
   double max_energy_rise = 0, max_energy_rise_time = 0;  // [J] the most in one step; [s] its event, or the step's end
   Admissibility motion;                                  // overlaps and energy balance (step/admissible.h)
   long passages = 0;  // steps in which bodies passed through each other (tunnelling.h)

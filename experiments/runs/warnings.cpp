@@ -61,6 +61,16 @@ void add_plastic(const Run& run, std::vector<std::string>& to) {
                         "e_n = e_t = 0"));
 }
 
+void add_undetermined(const Run& run, std::vector<std::string>& to) {
+  if (run.undetermined_steps == 0) return;
+  to.push_back(
+      words_of("contacts of a body share its load in a way that rigid bodies leave open, and friction depends on the "
+               "share, in ",
+               run.undetermined_steps, run.undetermined_steps == 1 ? " step" : " steps",
+               ", first at t = ", run.first_undetermined_time,
+               " s: equal shares are taken where they are possible; the model has other motions, too"));
+}
+
 }  // namespace
 
 namespace {
@@ -227,7 +237,7 @@ template <class Space> std::vector<std::string> warnings_of(const SystemOf<Space
   std::vector<std::string> all;
   add_energy(system.scene(), run, all);
   add_passages(system.scene(), run, all);
-  add_rounded(run, all), add_plastic(run, all);
+  add_rounded(run, all), add_plastic(run, all), add_undetermined(run, all);
   for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
   for (std::string& limit : limits_entered(system, run, integrator, step)) all.push_back(std::move(limit));
   return all;

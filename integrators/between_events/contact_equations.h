@@ -64,6 +64,21 @@ template <class Space> class ContactEquationsOf {
       solve_as<Eigen::MatrixXd>(share, known);
   }
 
+  /// Whether x + B Fᵀ z depends on the choice among all z that solve: by more than kOpen of what forces of that size do.
+  bool leaves_open() const {
+    constexpr double kOpen = 1e-6;
+    if (!dependent || z.isZero()) return false;
+    Eigen::FullPivLU<Eigen::MatrixXd> decomposition;
+    decomposition.setThreshold(1e-10);
+    const Eigen::MatrixXd others = decomposition.compute(A).kernel();
+    const Vector all = columns_.cwiseAbs().rowwise().sum();
+    for (Index k = 0; k < others.cols(); ++k) {
+      const Vector by = columns_ * others.col(k) / others.col(k).template lpNorm<Eigen::Infinity>();
+      if ((by.cwiseAbs() - kOpen * all).maxCoeff() > 0) return true;
+    }
+    return false;
+  }
+
   /// x + B Fᵀ z
   void act(const Vector& forces, Eigen::VectorXd& x) const { x.noalias() += columns_ * forces; }
 

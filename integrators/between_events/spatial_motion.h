@@ -77,7 +77,9 @@ class SpatialMotion {
   /// Of drives, loads and moving surfaces, there [W].
   double power(double t, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
   /// The lasting contacts' rows depend on each other: their forces are not unique.
-  bool redundant() const { return equations_.dependent; }
+  bool redundant() const { return !lasting_.empty() && equations_.dependent; }
+  /// Likewise, and the accelerations depend on which are taken: on slip that a yaw turns from contact to contact.
+  bool undetermined() const { return redundant() && equations_.leaves_open(); }
   /// All but the gaps' scales: where accelerations() was evaluated last.
   void watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a, SpatialWatched& w);
 

@@ -157,6 +157,7 @@ bool SpatialEventDriven::go(double h, Solver& solver, StepReport& report) {
   if (going && !fresh_) going = observe(now_, time_) || give_up(Status::numerical_error, "no accelerations");
   if (going && time_ == from) going = advance(h, solver, report);
   if (going) going = tells_turns();
+  if (now_.undetermined) ++report.undetermined;
   if (going) report.status = Status::solved, failed_ = {};
   return going;
 }
@@ -169,6 +170,7 @@ bool SpatialEventDriven::tells_turns() {
 bool SpatialEventDriven::observe(Point& p, double t) {
   if (!motion_.accelerations(std::min(t, stop_), p.q, p.v, p.a)) return false;
   flow_.forces(motion_, std::min(t, stop_), p.v, p.a, p.force);
+  p.undetermined = motion_.undetermined();
   motion_.watch(p.q, p.v, p.a, p.w);
   if (&p == &now_) fresh_ = true;
   return true;

@@ -81,7 +81,8 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
     Eigen::VectorXd q, v, a;
     SpatialWatched w;
     SpatialMotion::Residual residual;
-    Eigen::VectorXd force;  // [N, W], see SpatialFlow
+    Eigen::VectorXd force;      // [N, W], see SpatialFlow
+    bool undetermined = false;  // by the share of loads
     explicit Point(const System& system);
   };
   struct Failure {
@@ -155,9 +156,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   double gap_zero(int c) const { return 0x1p-52 * now_.w.gap_scale[c]; }
   bool stays(const Point& p, int c) const { return std::abs(p.w.gap[c]) <= kStays * gap_zero(c) + options_.touching; }
   /// An impact leaves the rounding of the rates before it.
-  double rate_zero(int c) const {
-    return options_.atol + 1e-12 * std::max(now_.w.rate_scale[c], struck_scale_[c]);
-  }
+  double rate_zero(int c) const { return options_.atol + 1e-12 * std::max(now_.w.rate_scale[c], struck_scale_[c]); }
   /// [m/s] slip below it is none: the error of some steps.
   double slip_zero(const Point& p) const {
     return options_.atol + 10 * (options_.rtol * p.v.lpNorm<Eigen::Infinity>() + motion_.slip_rounding(p.v));
