@@ -9,12 +9,13 @@ namespace orthant {
 namespace {
 
 constexpr double kInnerShare = 1e-3;  // of the tolerance, for an inner step
+constexpr double kTail = 5;  // [m] times rtol²: weight makes bounces that low no faster than 10 m/s times rtol
 
 EventDrivenOptions inner_options_in_space(const AdaptiveOptions& options) {
   EventDrivenOptions inner;
   inner.rtol = std::clamp(kInnerShare * options.rtol, 1e-13, 1e-4);
   inner.atol = std::clamp(kInnerShare * std::min(options.atol, options.rtol), 1e-14, 1e-4);
-  inner.accumulation = 10 * inner.atol;
+  inner.accumulation = std::min(10 * inner.atol, kTail * options.rtol * options.rtol);
   inner.touching = inner.atol;
   inner.max_events = 1000000000;
   inner.go_on = true;

@@ -2,7 +2,8 @@
 //
 //   Inner steps are those of spatial_event_driven.h: a Runge–Kutta method of order 8 in charts of the rotations while
 //   no contact changes its mode; impacts and changes of mode are located and landed on. Impacts that come at ever
-//   shorter intervals, and no higher than ten times atol of an inner step, end in one without restitution.
+//   shorter intervals, no higher than ten times atol of an inner step and 5 m times rtol², end in one without
+//   restitution.
 //   The requested states do not affect the inner steps: they, impulses and work come from the continuous extension of
 //   the method, of order 7, and are projected. Neither the motion nor its cost depends on the output step or on the end
 //   of the run.

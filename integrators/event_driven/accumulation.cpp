@@ -6,12 +6,6 @@
 #include <ranges>
 
 namespace orthant {
-namespace {
-
-constexpr double kPulled = 10;  // of its acceleration times the interval: a faster contact was pushed
-
-}  // namespace
-
 /// Before an impact at contact c.
 void EventDriven::note_bounce(int c) {
   Bounces& b = bounces_[at(c)];
@@ -21,40 +15,21 @@ void EventDriven::note_bounce(int c) {
   b.rounding = height <= 16 * gap_zero(c);
 }
 
-/// Whether forces bring contact c back from bounce to bounce. Where it is other impacts, as of a body crushed between
-/// others, the bounces become low as all gaps close, but no slower, and their impulses remain large.
-bool EventDriven::pulled(int c) const {
-  return -now_.w.gap_rate[c] <= kPulled * std::abs(now_.w.gap_acceleration[c]) * bounces_[at(c)].interval;
-}
-
-/// Whether another contact strikes before the bounces of contact c have come to their end: then c is open or closed,
-/// and takes another part in that impact than it would from now on.
-template <class Low> bool EventDriven::disturbed(int c, const Low& low) const {
-  const double rest = bounces_[at(c)].rest, left = std::abs(now_.w.gap_rate[c]), t = start_ + elapsed_;
-  for (int k = 0; k < system_.contacts(); ++k) {
-    const Bounces& b = bounces_[at(k)];
-    const bool ends_too = b.accumulates() && now_.w.gap[k] <= low(k) && t - b.last <= b.interval;
-    if (k == c || motion_.modes[at(k)].lasting || ends_too) continue;
-    const double closing = std::max(0.0, -now_.w.gap_rate[k]), faster = std::max(0.0, -now_.w.gap_acceleration[k]);
-    if (now_.w.gap[k] < rest * (closing + left + rest / 2 * faster)) return true;
-  }
-  return false;
-}
-
 /// Marks the contacts whose bounces need not be resolved any more, if there are any at this time. Those are no higher
 /// than what counts as touching: contacts of a series, struck in turn, would else strike at once, with restitution.
 bool EventDriven::accumulates() {
   const double t = start_ + elapsed_;
   const auto low = [&](int c) { return std::max({options_.accumulation, 32 * gap_zero(c), strike_.tie[at(c)]}); };
   const auto is_low = [&](std::size_t c) { return now_.w.gap[static_cast<Index>(c)] <= low(static_cast<int>(c)); };
+  const GapMotion at_now{now_.w.gap, now_.w.gap_rate, now_.w.gap_acceleration};
   bool any = false, meet = false;
   for (int c = 0; c < system_.contacts(); ++c) {
     const Bounces& b = bounces_[at(c)];
     if (b.last != t) continue;
     meet = meet || (b.accumulates() && meets_in_turn(at(c), t, bounces_, motion_.modes, strike_.touching));
     any = any || meet || b.rounding ||
-          (b.accumulates() && b.height <= low(c) && pulled(c) && !waits(b, bounces_, motion_.modes, is_low) &&
-           !disturbed(c, low));
+          (b.accumulates() && b.height <= low(c) && pulled(c, b.interval, at_now) &&
+           !waits(b, bounces_, motion_.modes, is_low) && !disturbed(c, t, bounces_, motion_.modes, at_now, low));
   }
   for (int c = 0; c < system_.contacts(); ++c) {
     Bounces& b = bounces_[at(c)];

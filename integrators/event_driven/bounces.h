@@ -5,6 +5,8 @@
 
 #include <orthant/integrators/between_events/impact_series.h>
 
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -45,6 +47,35 @@ template <class Series, class Mode> bool meets_in_turn(std::size_t c, double now
     if (k == c || !touching[k] || modes[k].lasting || !b.accumulates()) continue;
     const bool recent = one.last - b.last <= b.interval;
     if (recent && std::abs(b.before(now) - one.before(now)) > kInTurn * one.interval) return true;
+  }
+  return false;
+}
+
+/// Gaps of all contacts, their rates and accelerations. [m, m/s, m/s²]
+struct GapMotion {
+  const Eigen::VectorXd &gap, &rate, &acceleration;
+};
+
+/// Whether forces bring contact c back from bounce to bounce. Where it is other impacts, as of a body crushed between
+/// others, the bounces become low as all gaps close, but no slower, and their impulses remain large.
+inline bool pulled(Eigen::Index c, double interval, const GapMotion& at) {
+  constexpr double kPulled = 10;  // of its acceleration times the interval: a faster contact was pushed
+  return -at.rate[c] <= kPulled * std::abs(at.acceleration[c]) * interval;
+}
+
+/// Whether another contact strikes before the bounces of contact c have come to their end: then c is open or closed,
+/// and takes another part in that impact than it would from now on. low(k): gaps of contact k that count as touching.
+template <class Series, class Mode, class Low>
+bool disturbed(Eigen::Index c, double now, const std::vector<Series>& all, const std::vector<Mode>& modes,
+               const GapMotion& at, const Low& low) {
+  const double rest = all[static_cast<std::size_t>(c)].rest, left = std::abs(at.rate[c]);
+  for (Eigen::Index k = 0; k < at.gap.size(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const Series& b = all[i];
+    const bool ends_too = b.accumulates() && at.gap[k] <= low(static_cast<int>(k)) && now - b.last <= b.interval;
+    if (k == c || modes[i].lasting || ends_too) continue;
+    const double closing = std::max(0.0, -at.rate[k]), faster = std::max(0.0, -at.acceleration[k]);
+    if (at.gap[k] < rest * (closing + left + rest / 2 * faster)) return true;
   }
   return false;
 }

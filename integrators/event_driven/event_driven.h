@@ -223,8 +223,6 @@ class EventDriven final : public Integrator {
   bool keep_energy(const State& before, double work);
   void close_together();
   void note_bounce(int contact);
-  bool pulled(int contact) const;
-  template <class Low> bool disturbed(int contact, const Low& low) const;
   bool accumulates();
   bool strikes_after_series();
   bool settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report);

@@ -166,30 +166,6 @@ bool SpatialEventDriven::impact(Solver& solver, bool plastic, StepReport& report
   return true;
 }
 
-/// Marks the contacts whose bounces need not be resolved any more, if there are any that struck now.
-bool SpatialEventDriven::accumulates() {
-  const auto is_low = [this](std::size_t c) {
-    return now_.w.gap[static_cast<Index>(c)] <= low_gap(static_cast<int>(c));
-  };
-  bool any = false, meet = false;
-  for (int c = 0; c < system_.contacts(); ++c) {
-    const DatedBounces& b = bounces_[static_cast<std::size_t>(c)];
-    if (b.last != time_) continue;
-    meet = meet ||
-           (b.accumulates() && meets_in_turn(static_cast<std::size_t>(c), time_, bounces_, motion_.modes, touching_));
-    any = any || meet || b.rounding ||
-          (b.accumulates() && b.height <= low_gap(c) && !waits(b, bounces_, motion_.modes, is_low));
-  }
-  for (int c = 0; any && c < system_.contacts(); ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    DatedBounces& b = bounces_[i];
-    const bool closed = now_.w.gap[c] <= low_gap(c) || (meet && touching_[i]);
-    b.over = (b.rounding || b.accumulates()) && time_ - b.last <= b.interval && closed;
-    touching_[i] = touching_[i] || b.over;
-  }
-  return any;
-}
-
 /// The modes at now_, after an impact or an event of the motion.
 bool SpatialEventDriven::settle(Solver& solver, const std::optional<Sign>& event, bool struck, StepReport& report) {
   if (event && !struck && (event->watch == Watch::force || event->watch == Watch::cone)) {
@@ -289,9 +265,13 @@ bool SpatialEventDriven::shares_hold() {
 
 /// A contact without force that touches; the rows of all contacts have been evaluated.
 bool SpatialEventDriven::goes_in(int contact) {
+  return acceleration_of(contact) < -kComesBack * now_.a.lpNorm<Eigen::Infinity>();
+}
+
+/// Of its gap [m/s²]; the rows of all contacts have been evaluated.
+double SpatialEventDriven::acceleration_of(int contact) {
   const RowOf<Spatial>& normal = motion_.terms().closed[static_cast<std::size_t>(contact)].rows.normal;
-  const double acceleration = apply(normal, now_.a.data()) + motion_.bias(contact, now_.q, now_.v).normal;
-  return acceleration < -kComesBack * now_.a.lpNorm<Eigen::Infinity>();
+  return apply(normal, now_.a.data()) + motion_.bias(contact, now_.q, now_.v).normal;
 }
 
 void SpatialEventDriven::note_changes(bool touched) {

@@ -48,6 +48,7 @@ SpatialEventDriven::SpatialEventDriven(const System& system, const Options& opti
       in_turn_(impulses_.size()),
       slides_(impulses_.size(), Vector3d::Zero()),
       struck_(impulses_.size()),
+      fall_(system.contacts()),
       struck_scale_(Eigen::VectorXd::Zero(system.contacts())),
       none_(Eigen::VectorXd::Zero(system.dof())),
       shown_(&formulation_) {

@@ -148,6 +148,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   bool share_equally();
   bool shares_hold();
   bool goes_in(int contact);
+  double acceleration_of(int contact);
   bool cross(Solver& solver, StepReport& report);
   void note_changes(bool touched);
   void emit(double t, EventKind kind, int contact, const Impulse& impulse = {});
@@ -205,6 +206,7 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   std::vector<RateTargetOf<Spatial>> targets_;
   std::vector<Impulse> struck_;
   std::vector<int> contacts_;
+  Eigen::VectorXd fall_;          // [m/s²] accelerations of gaps
   Eigen::VectorXd struck_scale_;  // [m/s] rate scales before the impact at now_; 0: there was none
   Eigen::VectorXd v_before_, none_, q_within_, v_within_;
   State crossed_;
