@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from crank import reference
+from reduce import MACHINE
 
 DURATION, STEP, REPEATS = 0.2, 1e-5, 5
 PLACED = {"plane": ("slider_crank",), "space": ("slider_crank_space",),
@@ -83,8 +84,8 @@ def main(orthant, data):
                                   f"{min(each[placed][0]['seconds'] for each in runs):.4g}"])
     version = json.loads(
         subprocess.run([orthant, "--version", "--json"], check=True, capture_output=True, text=True).stdout)
-    (data / "plane_in_space.about.json"
-     ).write_text(json.dumps({"command": COMMAND, "revision": version["revision"]}, indent=1) + "\n")
+    made = {key: version[key] for key in MACHINE} | {"command": COMMAND}
+    (data / "plane_in_space.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 
 if __name__ == "__main__":

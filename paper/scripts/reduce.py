@@ -17,6 +17,8 @@ COLUMNS = {
     "max_lcp_residual max_joint_residual",
     "friction": "integrator solver mu omega3 step repeats status value energy_initial energy_final "
     "max_energy_rise touching impulse seconds",
+    "slider_crank_space": "integrator solver mu e guide clearance at_crank step rtol repeats status value error "
+    "energy_initial energy_final impulse lcp_solves seconds",
     "clearance": "integrator omega3 e clearance step repeats status value error energy_initial energy_final impulse "
     "first_touch first_release last_release",
     "conservation": "scene duration integrator collision.all.mu collision.all.e_n step rtol status why energy_initial "
@@ -85,12 +87,11 @@ def reduce_shootout(folder, data):
 
 
 def reduce_space(results, data):
-    """The limits of the second study, and the comparison in space."""
-    study = results / "slider_crank_space"
-    if (study / "closing_rates.csv").exists():
-        (data / "slider_crank_space.closing.csv").write_text((study / "closing_rates.csv").read_text())
-        made = about(study, command="experiments/run slider_crank_space", asked=fingerprint("slider_crank_space"))
-        (data / "slider_crank_space.about.json").write_text(json.dumps(made, indent=1) + "\n")
+    """Limits and contact phases of the second study, and the comparison in space."""
+    for table, name in (("closing_rates", "closing"), ("ball_phases", "ball")):
+        found = results / "slider_crank_space" / f"{table}.csv"
+        if found.exists():
+            (data / f"slider_crank_space.{name}.csv").write_text(found.read_text())
     peers = results / "peers/space.csv"
     if peers.exists():
         with open(peers, newline="") as file, open(data / "space_peers.csv", "w", newline="") as to:
@@ -102,20 +103,55 @@ def reduce_space(results, data):
         (data / "space_peers.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 
-def reduce_pyramids(results, data):
-    """How far pyramids bend the path of a block on a slope: the table of `exact_cases --dimension 3`."""
-    found = results / "exact_cases/pyramids.md"
-    if not found.exists():
+EXACT_CASES = "experiments/run exact_cases --dimension 3 --solvers auto"
+
+
+def reduce_exact_cases(folder, data):
+    """`exact_cases --dimension 3`: a line for each case, integrator and solver; how far pyramids bend the path of a
+    block on a slope, and what its motion costs with them."""
+    if not (folder / "pyramids.md").exists():
         return
-    table = [[cell.strip() for cell in line.strip("| \n").split("|")] for line in found.read_text().splitlines()
-             if re.match(r"\| (disc|\d+ facets) ", line)]
+    made = json.dumps(about(folder, command=EXACT_CASES), indent=1) + "\n"
+    with open(data / "exact_space.csv", "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["case", "title", "integrator", "solver", "error", "order", "milliseconds", "verdict"])
+        for cells in markdown_rows(folder / "table.md", r"\| S\d+ "):
+            (case, _, title), (integrator, solvers, _, error, order, ms, *_, verdict) = cells[0].partition(" "), cells[1:]
+            for solver in solvers.split():
+                out.writerow([case, title, integrator.strip("`"), solver, error, order, ms, verdict])
+    (data / "exact_space.about.json").write_text(made)
+    with open(folder / "runs.csv", newline="") as file:  # the block by moreau-jean at its smallest step
+        block = [row for row in csv.DictReader(file) if row["case"] == "S12" and row["integrator"] == "moreau-jean"]
+    finest = min(float(row["setting"]) for row in block)
     with open(data / "pyramids.csv", "w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(["facets", "distance", "exact_distance", "angle", "exact_angle"])
-        for friction, _, *numbers in table:
-            out.writerow([0 if friction == "disc" else friction.split()[0], *map(rounded, numbers)])
-    made = {"command": "experiments/run exact_cases --dimension 3 --cases S12 --solvers auto"}
-    (data / "pyramids.about.json").write_text(json.dumps(made, indent=1) + "\n")
+        out.writerow(["facets", "distance", "exact_distance", "angle", "exact_angle", "step", "milliseconds"])
+        for friction, _, *numbers in markdown_rows(folder / "pyramids.md", r"\| (disc|\d+ facets) "):
+            facets = "0" if friction == "disc" else friction.split()[0]
+            times = [float(row["seconds"]) for row in block if float(row["setting"]) == finest and
+                     (row["solver"].partition("facets=")[2] or "0") == facets]
+            out.writerow([facets, *numbers, rounded(finest), rounded(1e3 * min(times), 3)])
+    (data / "pyramids.about.json").write_text(made)
+
+
+def markdown_rows(path, start):
+    """The cells of the rows that begin so."""
+    return [[cell.strip() for cell in line.strip("| \n").split(" | ")] for line in path.read_text().splitlines()
+            if re.match(start, line)]
+
+
+def reduce_facets(folder, data):
+    """Random contact problems with discs and with pyramids: every solve."""
+    if not (folder / "facets.csv").exists():
+        return
+    with open(folder / "facets.csv", newline="") as file, open(data / "facets.csv", "w", newline="") as to:
+        out = csv.writer(to, lineterminator="\n")
+        out.writerow(["contacts", "sides", "status", "error", "seconds", "disc_seconds"])
+        for row in csv.DictReader(file):
+            numbers = (rounded(row[key], 3) for key in ("error", "seconds", "disc_seconds"))
+            out.writerow([row["problem"].split("-")[0], row["sides"], row["status"], *numbers])
+    made = about(folder, command="experiments/run facets --method auto --output results/facets")
+    (data / "facets.about.json").write_text(json.dumps(made, indent=1) + "\n")
 
 
 def main(results, data):
@@ -123,7 +159,8 @@ def main(results, data):
         if (results / study / "sweep.csv").exists():
             reduce_sweep(results, data, study)
     reduce_space(results, data)
-    reduce_pyramids(results, data)
+    reduce_exact_cases(results / "exact_cases", data)
+    reduce_facets(results / "facets", data)
     if (results / "lcp_shootout/shootout.csv").exists():
         reduce_shootout(results / "lcp_shootout", data)
 

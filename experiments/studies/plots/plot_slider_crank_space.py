@@ -1,6 +1,7 @@
 """The ball in its socket: reads path_muX.csv (runs), sweep.csv and ideal*.json; draws PNG and SVG.
 
-ball: contact phases on the ball's surface. closing: the slider's distance from its limit as clearances go to zero; also
+ball: contact phases on the ball's surface; also ball_phases.csv, with the direction of the contact point from the
+ball's centre in the rod's frame at each moment. closing: the slider's distance from its limit as clearances go to zero; also
 closing_rates.csv, with the order in the clearance, from the distance and (change_order) from successive changes, which
 needs no limit. With friction the limit is another motion: the ball's dry friction stays when the clearance goes to
 zero.
@@ -40,6 +41,13 @@ def contact_phases(path):
     return rotated_back(q, way), touches, touches & (np.linalg.norm(slip, axis=1) > STICK)
 
 
+def write_table(path, head, rows):
+    with open(path, "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(head)
+        out.writerows(rows)
+
+
 def plot_ball(folder, about):
     """The two hemispheres of the ball, seen along the rod's axis."""
     files = [file for file in folder.glob("path_mu*.csv") if not file.stem.endswith(".events")]
@@ -47,8 +55,13 @@ def plot_ball(folder, about):
     page, grid = plt.subplots(2, len(files), figsize=(9, 6.2), squeeze=False)
     places = [f"{body}.{c}" for body in ("rod", "slider") for c in ("x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz")]
     numbers = [*places, *(f"rod.q{c}" for c in "wxyz"), "t", "socket.gap"]
+    table = []
     for column, file in zip(grid.T, files):
-        at, touches, slips = contact_phases(read_table(file, [], numbers))
+        path = read_table(file, [], numbers)
+        at, touches, slips = contact_phases(path)
+        table += [(file.stem.removeprefix("path_mu"), f"{t:.6g}", *(f"{c:.5f}" for c in way),
+                   "free" if not touch else "slides" if slip else "sticks")
+                  for t, way, touch, slip in zip(path["t"], at, touches, slips)]
         for axis, outer in zip(column, (True, False)):
             here = touches & ((at[:, 0] >= 0) == outer)
             for latitude in (30, 60, 90):
@@ -63,6 +76,7 @@ def plot_ball(folder, about):
             axis.set(aspect="equal", xlim=(-1.05, 1.05), ylim=(-1.05, 1.05), xticks=(), yticks=())
             for side in axis.spines.values():
                 side.set_visible(False)
+    write_table(folder / "ball_phases.csv", ["mu", "t", "x", "y", "z", "phase"], table)
     for axis, label in zip(grid[:, 0], ("the end of the rod", "the side of the rod")):
         axis.set_ylabel(label)
     handles = [
@@ -114,11 +128,9 @@ def plot_closing(folder, about):
     axis.legend()
     page.tight_layout(rect=(0, 0.03, 1, 0.93))
     save(page, folder / "closing", "Clearances go to zero: distance from the mechanism without them", about)
-    with open(folder / "closing_rates.csv", "w", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(["family", "mu", "clearance", "x", "distance", "order", "change_order"])
-        out.writerows(
-            (n, f"{mu:g}", f"{c:g}", f"{x:.12g}", f"{d:.3g}", f"{r:.3g}", f"{k:.3g}") for n, mu, c, x, d, r, k in table)
+    write_table(
+        folder / "closing_rates.csv", ["family", "mu", "clearance", "x", "distance", "order", "change_order"],
+        [(n, f"{mu:g}", f"{c:g}", f"{x:.12g}", f"{d:.3g}", f"{r:.3g}", f"{k:.3g}") for n, mu, c, x, d, r, k in table])
 
 
 if __name__ == "__main__":
