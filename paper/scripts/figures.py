@@ -165,6 +165,44 @@ def derivatives(folder):
     finish(figure, [axes], folder, "derivatives", 4, room=0.12)
 
 
+def space_study(folder):
+    table = pick(rows("slider_crank_space"), status="solved", e=0.4, guide=None, at_crank=None, clearance=None)
+    figure, grid = plt.subplots(1, 3, figsize=(7.2, 3.3))
+    grid[1].sharey(grid[0])
+    for axes, mu in zip(grid, (0.0, 0.1)):
+        for fit in load("slider_crank_space.orders"):
+            if fit["mu"] == mu and fit["e"] == 0.4 and "guide" not in fit:
+                line(axes, fit["integrator"], fit["worst"])
+        axes.set(xscale="log", yscale="log", xlabel="step size $h$ [s]", title=f"$\\mu = {mu:g}$")
+    for integrator in dict.fromkeys(row["integrator"] for row in table if row["repeats"]):
+        own = pick(table, integrator=integrator, mu=0.1, repeats=lambda n: n > 0)
+        line(grid[2], integrator, [(row["seconds"], row["error"]) for row in own if row["error"] > 1e-13])
+    grid[2].set(xscale="log", yscale="log", xlabel="processor time [s]", title=r"$\mu = 0.1$")
+    grid[0].set_ylabel("error of $x(0.5\\,\\mathrm{s})$ of the slider [m]")
+    finish(figure, grid, folder, "space_study", 4, room=0.14)
+
+
+def ball(folder):
+    """The two hemispheres of the ball, seen along the rod's axis."""
+    table = pick(rows("slider_crank_space.ball"), phase=lambda phase: phase != "free")
+    mus = sorted({row["mu"] for row in table})
+    figure, grid = plt.subplots(2, len(mus), figsize=(6.6, 4.6))
+    for column, mu in zip(grid.T, mus):
+        for axes, outer in zip(column, (True, False)):
+            for latitude in (30, 60, 90):
+                axes.add_patch(plt.Circle((0, 0), math.sin(math.radians(latitude)), fill=False, color=GREY, lw=0.5))
+            for phase, colour in (("slides", BLUE), ("sticks", RED)):
+                own = [row for row in pick(table, mu=mu, phase=phase) if (row["x"] >= 0) == outer]
+                axes.plot([row["y"] for row in own], [row["z"] for row in own], linestyle="none", marker="o",
+                          markersize=1.6, markeredgewidth=0, color=colour, label=phase)
+            axes.set(aspect="equal", xlim=(-1.05, 1.05), ylim=(-1.05, 1.05), xticks=(), yticks=())
+            axes.spines[:].set_visible(False)
+        column[0].set_title(f"$\\mu = {mu:g}$", loc="center")
+    grid[0, 0].set_ylabel("end of the rod")
+    grid[1, 0].set_ylabel("side of the rod")
+    finish(figure, grid.flat, folder, "ball", 2, room=0.06)
+
+
 def main(folder):
     plt.switch_backend("Agg")
     plt.rcParams.update(
@@ -173,7 +211,7 @@ def main(folder):
             "mathtext.fontset": "cm", "axes.titlesize": 9
         })
     folder.mkdir(parents=True, exist_ok=True)
-    for draw in (convergence, cost, friction, modes, tilt, energy, derivatives):
+    for draw in (convergence, cost, friction, modes, tilt, energy, space_study, ball, derivatives):
         draw(folder)
 
 

@@ -38,11 +38,6 @@ def settings(scene):
 
 
 def numbers(n):
-    pyramids = [row for row in rows("pyramids") if row["facets"] > 0]
-    columns = {"counts": lambda row: f"{row['facets']:.0f}", "bends": lambda row: tex(row["exact_angle"], 2)}
-    for key, each in columns.items():
-        *first, last = map(each, pyramids)
-        n[f"space/facet_{key}"] = ", ".join(first) + r"\text{ and }" + last
     for key, found in limits().items():
         n[f"space/{key}_order"] = tex(found[-1]["order"], 2)
         n[f"space/{key}_clearance"] = tex(1e6 * found[-1]["clearance"], 3) + unit(r"\mu m")

@@ -2,17 +2,19 @@
 import re
 import sys
 
+import cones
 import crank
 import others
 import schemes
 import space
+import spatial
 import tilt
 from data import GENERATED
 
 
 def everything():
     numbers, tables = {}, {}
-    for part in (crank, others, schemes, space, tilt):
+    for part in (cones, crank, others, schemes, space, spatial, tilt):
         part.numbers(numbers)
         part.tables(tables)
     return numbers, tables
