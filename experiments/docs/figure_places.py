@@ -60,6 +60,10 @@ QUOTES = [
      [("time_to_error", ("moreau-jean",), "1e-3")]),
     (PAPER + "numbers.tex", r"solvers/best_certified\\endcsname\{\\ensuremath\{N\}",
      [("solvers", ("auto",), "certified")]),
+    *((PAPER + "numbers.tex", rf"cones/{key}\\endcsname\{{\\ensuremath\{{N\}}", [("cones", (method,), column)])
+      for key, method, column in (("solver_problems", "auto", "problems"), ("auto_right", "auto", "to 1e-08"),
+                                  ("auto_time", "auto", "time, 1e-08"), ("rival_least", "siconos/vi-eg", "time, 1e-08"),
+                                  ("rival_most", "siconos/prox", "time, 1e-08"))),
 ]
 
 FOUR = [(i + 1, target) for i, target in enumerate(("1e-2", "1e-3", "1e-6", "1e-9"))]

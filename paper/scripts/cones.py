@@ -4,7 +4,7 @@ import tomllib
 from statistics import median
 
 from crank import FIGURES
-from data import count, pick, rows, tabular, tex, unit, words
+from data import count, pick, rough, rows, tabular, tex, unit, words
 
 TURNED = "8, turned"  # pyramids that turn until an edge points along the slip
 TOLERANCE = "1e-08"  # of the comparison of solvers, as figures.toml writes it
@@ -34,9 +34,9 @@ def numbers(n):
     n["cones/contacts_least"], n["cones/contacts_most"] = tex(min(contacts), 1), tex(max(contacts), 2)
     n["cones/unanswered"] = words(len(table) - len(pick(table, status="solved")))
     n["cones/most"] = tex(most, 2)
-    n["cones/most_error"], n["cones/most_cost"] = tex(median(errors(most))), tex(cost(most))
+    n["cones/most_error"], n["cones/most_cost"] = tex(median(errors(most))), rough(cost(most))
     n["cones/order"] = tex(math.log(median(errors(least)) / median(errors(most))) / math.log(most / least))
-    n["cones/turned_error"], n["cones/turned_cost"] = tex(max(errors(TURNED)), 1), tex(cost(TURNED))
+    n["cones/turned_error"], n["cones/turned_cost"] = tex(max(errors(TURNED)), 1), rough(cost(TURNED))
     pyramids = [row for row in rows("pyramids") if row["facets"] > 0]
     n["cones/bend"] = tex(max(row["exact_angle"] for row in pyramids))
     n["cones/bend_finest"] = tex(pyramids[-1]["exact_angle"])
@@ -60,9 +60,9 @@ def tables(t):
     for row in rows("pyramids"):
         facets = row["facets"]
         solves = ["--", "--", tex(1, 1)] if facets == 0 else \
-            [tex(median(errors(facets))), tex(max(errors(facets))), tex(cost(facets))]
+            [tex(median(errors(facets))), tex(max(errors(facets))), rough(cost(facets))]
         lines.append(["disc" if facets == 0 else f"{tex(facets, 2 if facets > 9 else 1)} facets", *solves,
-                      tex(row["distance"]), tex(row["angle"]), tex(row["milliseconds"])])
+                      tex(row["distance"]), tex(row["angle"]), rough(row["milliseconds"])])
     head = [r"& \multicolumn{3}{c}{contact problems} & \multicolumn{3}{c}{block on a slope} \\",
             r"\cmidrule(lr){2-4}\cmidrule(l){5-7}"]
     t["cones"] = tabular("lrrrrrr", ["friction", "error", "largest", "time over disc's", "stops off [m]", "off by [°]",

@@ -58,6 +58,11 @@ def tex(x, digits=2):
         rf"\ensuremath{{10^{{{int(exponent)}}}}}"
 
 
+def rough(x):
+    """A number of two digits where the last ones of a larger one mean nothing: times and their ratios."""
+    return tex(float(f"{x:.2g}")) if x is not None else tex(x)
+
+
 def unit(name):
     return rf"\ensuremath{{\,\mathrm{{{name}}}}}"
 

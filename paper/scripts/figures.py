@@ -186,7 +186,7 @@ def ball(folder):
     """The two hemispheres of the ball, seen along the rod's axis."""
     table = pick(rows("slider_crank_space.ball"), phase=lambda phase: phase != "free")
     mus = sorted({row["mu"] for row in table})
-    figure, grid = plt.subplots(2, len(mus), figsize=(6.6, 4.6))
+    figure, grid = plt.subplots(2, len(mus), figsize=(6, 4.3))
     for column, mu in zip(grid.T, mus):
         for axes, outer in zip(column, (True, False)):
             for latitude in (30, 60, 90):
@@ -200,7 +200,7 @@ def ball(folder):
         column[0].set_title(f"$\\mu = {mu:g}$", loc="center")
     grid[0, 0].set_ylabel("end of the rod")
     grid[1, 0].set_ylabel("side of the rod")
-    finish(figure, grid.flat, folder, "ball", 2, room=0.06)
+    finish(figure, list(grid.flat), folder, "ball", 2, room=0.05)
 
 
 def main(folder):

@@ -4,7 +4,7 @@ import math
 import tomllib
 from statistics import median
 
-from data import PAPER, code, count, load, pick, rows, short, solved, tabular, tex, unit, words
+from data import PAPER, code, count, load, pick, rough, rows, short, solved, tabular, tex, unit, words
 from schemes import ORDERS, numeral
 
 FIXED = [name for name, (smooth, *_) in ORDERS.items() if smooth is not None]
@@ -19,7 +19,7 @@ PHASES = ("free", "slides", "sticks")
 TRUTHS = (
     ("S15", "free", "free asymmetric body", "elliptic functions"),
     ("S3", "Lagrange", "heavy top, with cusps", "elliptic integrals"),
-    ("S23", "four-bar", "four-bar, redundant joints", "elliptic functions"),
+    ("S23", "four-bar", "redundant four-bar", "elliptic functions"),
     ("S4", "spatial slider-crank", "spatial slider-crank", "published"),
     ("S5", "Bricard", "Bricard's linkage", "published"),
     ("S11", "mass", "ball slides, then rolls", "closed form"),
@@ -95,6 +95,10 @@ def contact_path(mu):
     return shares, way
 
 
+def power(tolerance):
+    return rf"\ensuremath{{10^{{{round(math.log10(tolerance))}}}}}"
+
+
 def percent(share, digits=2):
     return rf"{tex(100 * share, digits)}\,\%"
 
@@ -156,7 +160,7 @@ def study_numbers(n):
     rubs = [fit(name, mu)["order"] for name in STUDY if name != "anitescu-potra" for mu in FRICTION[1:]]
     n["study/order_least"], n["study/order_most"] = tex(min(rubs), 2), tex(max(rubs), 2)
     rubbed = [fit(name, FRICTION[1])["worst_error_finest_octave"] for name in STUDY]
-    n["study/spread"] = tex(max(rubbed) / min(rubbed), 1)
+    n["study/spread"] = rough(max(rubbed) / min(rubbed))
     smooth = [fit(name, 0.0) for name in STUDY]
     n["study/smooth_order_most"] = tex(max(one["order"] for one in smooth), 2)
     n["study/smooth_error"] = tex(min(one["worst_error_finest_octave"] for one in smooth), 1) + unit("m")
@@ -166,13 +170,13 @@ def study_numbers(n):
     rattle = min(timed("rattle", FRICTION[1]), key=lambda row: row["step"])
     n["study/rattle_error"], n["study/rattle_ms"] = (
         tex(rattle["error"]) + unit("m"),
-        tex(1e3 * rattle["seconds"]) + unit("ms"),
+        rough(1e3 * rattle["seconds"]) + unit("ms"),
     )
     for mu, name in ((FRICTION[1], "rub"), (0.0, "smooth")):
         row = timed("adaptive", mu, rtol=TOLERANCES[0])[0]
         n[f"study/adaptive_{name}_error"] = tex(row["error"]) + unit("m")
         n[f"study/adaptive_{name}_ms"] = tex(1e3 * row["seconds"]) + unit("ms")
-    n["study/rtol"] = tex(TOLERANCES[0], 1)
+    n["study/rtol"] = power(TOLERANCES[0])
     paths = [contact_path(mu) for mu in FRICTION]
     n["study/free"] = listed([percent(shares["free"], 1) for shares, _ in paths])
     n["study/way"] = listed([tex(way) for _, way in paths])
@@ -200,9 +204,9 @@ def tables(t):
         seconds = [median(row["seconds"] for row in runs[where]) for where in ("plane", "space")]
         lines.append([code(name.partition(":")[0]), tex(max(r["error"] for r in runs["plane"]), 2),
                       tex(max(row["error"] for row in in_space), 2), tex(apart(runs["plane"], runs["space"]), 1),
-                      tex(apart(runs["space"], runs["turned"]), 1), *(tex(1e3 * s) for s in seconds),
-                      tex(cost_in_space(runs))])
-    t["plane"] = tabular("lrrrrrrr", ["", "plane [rad]", "space [rad]", "apart", "turned", "plane [ms]", "space [ms]",
+                      tex(apart(runs["space"], runs["turned"]), 1), *(rough(1e3 * s) for s in seconds),
+                      rough(cost_in_space(runs))])
+    t["plane"] = tabular("lrrrrrrr", ["scheme", "plane [rad]", "space [rad]", "apart", "turned", "plane [ms]", "space [ms]",
                                       "ratio"], lines)
     lines = []
     for number, begins, name, truth in TRUTHS:
@@ -220,15 +224,15 @@ def tables(t):
         clocked = timed(name, FRICTION[1])
         finest = min(clocked, key=lambda row: row["step"]) if clocked else None
         lines.append([short(name), *cells, tex(finest["error"], 1) if finest else "--",
-                      tex(1e3 * finest["seconds"]) if finest else "--"])
+                      rough(1e3 * finest["seconds"]) if finest else "--"])
     lines.append(r"\addlinespace")
     for rtol in TOLERANCES:
         runs = [timed("adaptive", mu, rtol=rtol) for mu in FRICTION]
         cells = [x for run in runs for x in ("", tex(run[0]["error"], 1) if run else "--")]
-        lines.append([rf"{code('adaptive')}, {tex(rtol, 1)}", *cells, tex(runs[1][0]["error"], 1),
+        lines.append([rf"{code('adaptive')}, {power(rtol)}", *cells, tex(runs[1][0]["error"], 1),
                       tex(1e3 * runs[1][0]["seconds"])])
     head = ["", *(rf"\multicolumn{{2}}{{c}}{{$\mu = {tex(mu, 1)}$}}" for mu in FRICTION),
             r"\multicolumn{2}{c}{timed}"]
-    t["space_orders"] = tabular("lrrrrrrrr", ["", *3 * ["order", "error"], "error", "[ms]"], lines).replace(
+    t["space_orders"] = tabular("lrrrrrrrr", ["scheme", *3 * ["order", "error"], "error", "[ms]"], lines).replace(
         r"\toprule", "\n".join([r"\toprule", " & ".join(head) + r" \\",
                                 r"\cmidrule(lr){2-3}\cmidrule(lr){4-5}\cmidrule(lr){6-7}\cmidrule(l){8-9}"]))
