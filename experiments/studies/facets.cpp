@@ -99,8 +99,8 @@ void study(const FacetStudy& plan) {
         sum.errors.push_back(error), sum.residuals.push_back(residual), sum.times.push_back(seconds / disc_seconds);
       }
       table << std::quoted(name_of, '"', '"') << ',' << problem.size() << ',' << std::quoted(label) << ','
-            << name(pyramid.pyramid_status()) << ',' << error << ',' << residual << ',' << seconds << ',' << disc_seconds
-            << '\n';
+            << name(pyramid.pyramid_status()) << ',' << error << ',' << residual << ',' << seconds << ','
+            << disc_seconds << '\n';
     };
     for (const int sides : plan.sides) one(std::to_string(sides), sides, 0);
     one("8, turned", 8, 40);

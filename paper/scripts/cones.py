@@ -4,26 +4,31 @@ import tomllib
 from statistics import median
 
 from crank import FIGURES
-from data import count, pick, rough, rows, tabular, tex, unit, words
+from data import code, count, pick, rough, rows, tabular, tex, unit, words
 
 TURNED = "8, turned"  # pyramids that turn until an edge points along the slip
 TOLERANCE = "1e-08"  # of the comparison of solvers, as figures.toml writes it
 RIVALS = ("siconos/", "pinocchio/")
 
+
 def by_sides(sides):
     return pick(rows("facets"), sides=sides)
 
+
 def errors(sides):
     return [row["error"] for row in by_sides(sides) if row["status"] == "solved"]
+
 
 def cost(sides, **wanted):
     """Time of a solve over that with discs, the median."""
     return median(row["seconds"] / row["disc_seconds"] for row in pick(by_sides(sides), **wanted))
 
+
 def methods():
-    """Those that solve problems with discs: name and cells by column."""
+    """Those that solve problems with discs: name and cells by column; the revision that was measured."""
     table = tomllib.loads(FIGURES.read_text(encoding="utf-8"))["cones"]
-    return {row[0]: dict(zip(table["columns"], row)) for row in table["rows"]}
+    return {row[0]: dict(zip(table["columns"], row)) for row in table["rows"]}, table["revision"]
+
 
 def numbers(n):
     table = rows("facets")
@@ -42,7 +47,10 @@ def numbers(n):
     n["cones/bend_finest"] = tex(pyramids[-1]["exact_angle"])
     n["cones/facets_finest"] = tex(pyramids[-1]["facets"])
     n["cones/block_step"] = tex(1e3 * pyramids[0]["step"]) + unit("ms")
-    found = methods()
+    for row in pyramids:
+        if row["distance"] != row["exact_distance"] or row["angle"] != row["exact_angle"]:
+            raise SystemExit(f"pyramids.csv, {row['facets']:.0f} facets: the path is not the exact one of the pyramid")
+    found, revision = methods()
     rivals = {name: row for name, row in found.items() if name.startswith(RIVALS)}
     whole = [row for row in rivals.values() if row[f"to {TOLERANCE}"] == row["problems"]]
     times = [row[f"time, {TOLERANCE}"] for row in whole]
@@ -53,7 +61,9 @@ def numbers(n):
     )
     n["cones/rivals"], n["cones/rivals_whole"] = tex(len(rivals), 1), tex(len(whole), 1)
     n["cones/rival_least"], n["cones/rival_most"] = tex(min(times)), tex(max(times))
+    n["cones/revision"] = code(revision)
     n["cones/tolerance"] = tex(float(TOLERANCE), 1)
+
 
 def tables(t):
     lines = []
@@ -67,4 +77,3 @@ def tables(t):
             r"\cmidrule(lr){2-4}\cmidrule(l){5-7}"]
     t["cones"] = tabular("lrrrrrr", ["friction", "error", "largest", "time over disc's", "stops off [m]", "off by [°]",
                                      "run [ms]"], lines).replace(r"\toprule", "\n".join([r"\toprule", *head]))
-

@@ -116,7 +116,8 @@ def reduce_exact_cases(folder, data):
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["case", "title", "integrator", "solver", "error", "order", "milliseconds", "verdict"])
         for cells in markdown_rows(folder / "table.md", r"\| S\d+ "):
-            (case, _, title), (integrator, solvers, _, error, order, ms, *_, verdict) = cells[0].partition(" "), cells[1:]
+            case, _, title = cells[0].partition(" ")
+            integrator, solvers, _, error, order, ms, *_, verdict = cells[1:]
             for solver in solvers.split():
                 out.writerow([case, title, integrator.strip("`"), solver, error, order, ms, verdict])
     (data / "exact_space.about.json").write_text(made)

@@ -36,7 +36,7 @@ TRUTHS = (
 
 def listed(parts):
     *first, last = parts
-    return ", ".join(first) + r"\text{ and }" + last
+    return ", ".join(first) + " and " + last
 
 
 def apart(a, b):
@@ -206,8 +206,8 @@ def tables(t):
                       tex(max(row["error"] for row in in_space), 2), tex(apart(runs["plane"], runs["space"]), 1),
                       tex(apart(runs["space"], runs["turned"]), 1), *(rough(1e3 * s) for s in seconds),
                       rough(cost_in_space(runs))])
-    t["plane"] = tabular("lrrrrrrr", ["scheme", "plane [rad]", "space [rad]", "apart", "turned", "plane [ms]", "space [ms]",
-                                      "ratio"], lines)
+    head = ["scheme", "plane [rad]", "space [rad]", "apart", "turned", "plane [ms]", "space [ms]", "ratio"]
+    t["plane"] = tabular("lrrrrrrr", head, lines)
     lines = []
     for number, begins, name, truth in TRUTHS:
         table = case(number, begins)

@@ -1,10 +1,10 @@
 """The ball in its socket: reads path_muX.csv (runs), sweep.csv and ideal*.json; draws PNG and SVG.
 
 ball: contact phases on the ball's surface; also ball_phases.csv, with the direction of the contact point from the
-ball's centre in the rod's frame at each moment. closing: the slider's distance from its limit as clearances go to zero; also
-closing_rates.csv, with the order in the clearance, from the distance and (change_order) from successive changes, which
-needs no limit. With friction the limit is another motion: the ball's dry friction stays when the clearance goes to
-zero.
+ball's centre in the rod's frame at each moment. closing: the slider's distance from its limit as clearances go to zero;
+also closing_rates.csv, with the order in the clearance, from the distance and (change_order) from successive changes,
+which needs no limit. With friction the limit is another motion: the ball's dry friction stays when the clearance goes
+to zero.
 """
 import csv
 import json
