@@ -9,7 +9,8 @@ Kinds: tumbling (three boxes and discs fall onto a floor and onto one another), 
 is too sensitive to be judged and is not counted. In space (kinds of tolerance_space.py: balls, solids, sliders,
 pendulums) it is `adaptive` at rtol = 1e-10 and 1e-9; --witness counts the scenes that `moreau-jean` contradicts: at two
 steps it differs from the reference by more than its own difference, ten times over.
-A word: the run did not end solved, crossed crowds of events and says so, or says that rigid bodies leave the motion open. --keep writes the scenes that err silently.
+A word: the run did not end solved, or says that it crossed crowds of events or that rigid bodies leave the motion open.
+--keep writes the scenes that err silently.
 """
 import argparse
 import concurrent.futures

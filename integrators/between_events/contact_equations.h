@@ -64,7 +64,7 @@ template <class Space> class ContactEquationsOf {
       solve_as<Eigen::MatrixXd>(share, known);
   }
 
-  /// Whether x + B Fᵀ z depends on the choice among all z that solve: by more than kOpen of what forces of that size do.
+  /// Whether x + B Fᵀ z depends on the choice among all z that solve, by more than kOpen of what such forces do.
   bool leaves_open() const {
     constexpr double kOpen = 1e-6;
     if (!dependent || z.isZero()) return false;

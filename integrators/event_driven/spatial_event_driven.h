@@ -15,9 +15,9 @@
 //   touching, so that what is simultaneous stays so. Impacts that come at ever shorter intervals,
 //   and no higher than `accumulation`, end in one without restitution (impact_series.h).
 //   Impulses are refined to rounding (solvers/refinement.h), since the tolerance of a solver would affect the later
-//   motion. Contacts whose forces are not unique (a box on four corners) share their load equally, in the sense of least
-//   squares, where these forces push and stay within their cones: the solution that a solver finds depends on rounding,
-//   and the moment of friction on the share. Else they share it as the solver found.
+//   motion. Contacts whose forces are not unique (a box on four corners) share their load equally, in the sense of
+//   least squares, where these forces push and stay within their cones: the solution that a solver finds depends on
+//   rounding, and the moment of friction on the shares. Else they share it as the solver found.
 //   Sliding off: the direction is that of the solution at acceleration level, until the slip is no longer stiff or
 //   |γ_T| times the turn since reaches ten times rtol of the speeds and of what friction makes in a second.
 //   Crowds: where events continue without end (several steps in a row without progress) or an instant has no computable
