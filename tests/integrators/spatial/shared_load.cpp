@@ -18,7 +18,8 @@ constexpr std::string_view kEventDriven[] = {"event-driven", "adaptive"};
 /// On the floor; yaw [rad/s], and the velocity across [m/s].
 SpatialSystem sliding_box(double yaw, double across) {
   const std::string text =
-      "dimension = 3\n[[body]]\nname = 'box'\nmass = 1.3\nsolid = {box = [0.24, 0.2, 0.1]}\nposition = [0, 0, 0.05]\n"
+      "dimension = 3\ngravity = [0, 0, -9.81]\n[[body]]\nname = 'box'\nmass = 1.3\nsolid = {box = [0.24, 0.2, "
+      "0.1]}\nposition = [0, 0, 0.05]\n"
       "velocity = [1.5, " +
       std::to_string(across) + ", 0]\nomega = [0, 0, " + std::to_string(yaw) +
       "]\n[[contact]]\nname = 'floor'\ntype = 'box-wall'\nbody = 'box'\nsize = [0.24, 0.2, 0.1]\nmu = 0.3\n"
