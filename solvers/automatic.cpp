@@ -21,6 +21,7 @@ struct Look {
   bool nonnegative = false;  // a dense matrix without a negative entry
   bool thin = false;         // sparse: at most eight entries a row
   bool even = false;         // dense: positive diagonal entries within 10⁸ of each other
+  bool skew = false;         // sparse: no positive diagonal, and rows with a zero there are their columns times −1
   bool grid = false;         // of two or three dimensions: more than four entries a row
   bool loose = false;        // an operator over at least an eighth as many velocities as rows
   bool uneven = false;       // an operator with diagonal entries a hundredfold apart
@@ -167,6 +168,9 @@ constexpr Step kSteps[] = {
      [](const Look& p) {
        return smooth(p) && !p.applied && !p.sparse && p.symmetric && p.positive_diagonal && p.n > kSmall;
      }},
+    // Traffic equilibria of a city, n = 3355 and 13 915: 12 and 16 factorizations, path 80 and more than 239.
+    {"interior-point", "large, sparse, a saddle point",
+     [](const Look& p) { return smooth(p) && p.sparse && p.skew && p.n > kSmall; }},
     {"path:restarts=0", "large, sparse, unsymmetric",
      [](const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
@@ -227,17 +231,20 @@ Look look(const Lcp& problem, bool warm) {
     p.sparse = true;
     p.thin = rows->start[static_cast<std::size_t>(p.n)] <= 8 * p.n;
     p.grid = rows->start[static_cast<std::size_t>(p.n)] > 4 * p.n;
+    bool skew = true;
     for (Index i = 0; i < p.n; ++i) {
       const double diagonal = rows->entry(i, i);
       p.positive_diagonal = p.positive_diagonal && diagonal > 0;
       p.no_diagonal = p.no_diagonal && diagonal == 0;
       rows->for_each_in_row(i, [&](Index j, double value) {
         if (j == i) return;
+        skew = skew && (diagonal > 0 || rows->entry(j, i) == -value);
         p.z_matrix = p.z_matrix && value <= 0;
         if (const double other = rows->entry(j, i); p.symmetric && other != value)
           p.symmetric = symmetric_pair(value, other, diagonal, rows->entry(j, j));
       });
     }
+    p.skew = skew && !p.positive_diagonal;
   } else {
     const Delassus& contacts = std::get<Delassus>(problem.A);
     p.applied = true;

@@ -1,9 +1,10 @@
 // What do large sparse problems with bounds cost, in time, cycles and memory, as the grid is refined?
 //
-// Obstacle problems on grids in the plane and in space by solvers that factorize nothing and by active sets, and by
-// PETSc's SNESVI in the same run where its driver is given. Each case is a process of its own: its processor time, its
-// residual as the independent judge recomputes it, and the most memory that it held (the problem included). A method
-// that a smaller grid has cost the time limit is left out on larger ones. sparse_lcps.csv, and the same as Markdown.
+// Obstacle problems on grids in the plane and in space, and traffic equilibria, by solvers that factorize nothing, by
+// active sets and by interior points, and by PETSc's SNESVI in the same run where its driver is given. Each case is a
+// process of its own: its processor time, its residual as the independent judge recomputes it, and the most memory that
+// it held (the problem included). A method that a smaller grid has cost the time limit is left out on larger ones.
+// sparse_lcps.csv, and the same as Markdown.
 #include "experiments/runs/manifest.h"
 #include "experiments/studies/support/rivals.h"
 #include "experiments/support/between.h"
@@ -12,6 +13,7 @@
 
 #include <orthant/core/lcp/problems/american_put.h>
 #include <orthant/core/lcp/problems/obstacles.h>
+#include <orthant/core/lcp/problems/traffic.h>
 #include <orthant/core/support/file.h>
 #include <orthant/solvers/registry.h>
 
@@ -32,7 +34,7 @@ namespace {
 
 struct Kind {
   const char* name;
-  Index dimension;
+  Index dimension;  // 0: a city
   Lcp (*make)(Index side);
 };
 const Kind kKinds[] = {
@@ -46,6 +48,7 @@ const Kind kKinds[] = {
        return american_basket_step(basket, basket.payoff(), 0.02);
      }},
     {"space", 3, [](Index side) { return space_obstacle(side + 1).problem; }},
+    {"traffic", 0, [](Index side) { return traffic_equilibrium(grid_city(side)); }},
 };
 
 struct Row {
@@ -136,15 +139,18 @@ void write(std::ostream& csv, const Kind& kind, Index side, const std::string& s
 
 int main(int argc, char** argv) {
   CLI::App app("Large sparse problems with bounds: time, cycles, residual and memory by the size of the grid");
-  std::vector<std::string> problems{"ball", "journal", "torsion", "basket", "space"};
-  std::vector<Index> sides{63, 127, 255, 511, 1023}, cubes{15, 31, 63};
-  std::vector<std::string> specs{"multigrid", "block-pivot", "auto"};
+  std::vector<std::string> problems{"ball", "journal", "torsion", "basket", "space", "traffic"};
+  std::vector<Index> sides{63, 127, 255, 511, 1023}, cubes{15, 31, 63}, cities{8, 16, 32};
+  std::vector<std::string> specs{"multigrid", "block-pivot", "interior-point", "auto"};
   std::string folder = "results/sparse_lcps", drivers;
   double limit = 120;
   bool quick = false;
-  app.add_option("--problems", problems, "of ball, journal, torsion, basket, space")->capture_default_str();
+  app.add_option("--problems", problems, "of ball, journal, torsion, basket, space, traffic")->capture_default_str();
   app.add_option("--sides", sides, "nodes of a side, in the plane")->check(CLI::Range(3, 5000))->capture_default_str();
   app.add_option("--cubes", cubes, "nodes of a side, in space")->check(CLI::Range(3, 400))->capture_default_str();
+  app.add_option("--cities", cities, "crossings of a side, of traffic")
+      ->check(CLI::Range(3, 200))
+      ->capture_default_str();
   app.add_option("--solvers", specs, "as in orthant list, with options")->capture_default_str();
   app.add_option("--rivals", drivers, "folder of drivers: build/peers/lcp (experiments/run peers); PETSc's are used");
   app.add_option("--time-limit", limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
@@ -152,7 +158,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", quick, "small grids only");
   if (const auto end = parse(app, argc, argv)) return *end;
   try {
-    if (quick) sides = {63, 127, 255}, cubes = {15, 31};
+    if (quick) sides = {63, 127, 255}, cubes = {15, 31}, cities = {8, 16};
     for (const std::string& spec : specs) make_solver(spec);  // an unknown one is refused before the table
     std::vector<Rival> others;
     if (!drivers.empty())
@@ -162,7 +168,8 @@ int main(int argc, char** argv) {
     for (const std::string& problem : problems) {
       const auto* const kind = std::ranges::find(kKinds, problem, &Kind::name);
       if (kind == std::end(kKinds))
-        throw std::invalid_argument("--problems " + problem + ": must be ball, journal, torsion, basket or space");
+        throw std::invalid_argument("--problems " + problem +
+                                    ": must be ball, journal, torsion, basket, space or traffic");
       kinds.push_back(kind);
     }
     std::filesystem::create_directories(folder);
@@ -174,7 +181,7 @@ int main(int argc, char** argv) {
     bool all = true;
     for (const Kind* kind : kinds) {
       std::map<std::string, bool> late;
-      for (const Index side : kind->dimension == 2 ? sides : cubes) {
+      for (const Index side : kind->dimension == 2 ? sides : kind->dimension == 3 ? cubes : cities) {
         const auto run = [&](const std::string& solver, const Rival* rival) {
           if (late[solver]) return;
           const Row row = row_of(*kind, side, solver, rival, limit);
