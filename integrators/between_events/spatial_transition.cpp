@@ -205,6 +205,7 @@ Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q
       formulate(motion, q, v);
       solver.solve(lcp_, solution_);
       refinement_.improve(lcp_, solution_);
+      even_share_.improve(lcp_, std::ssize(candidates), solver, solution_);
       const double velocity_residual = report.lcp_residual;  // that one is in m/s, not m/s²
       report.note(lcp_, solution_);
       report.lcp_residual = velocity_residual;

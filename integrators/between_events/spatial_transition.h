@@ -23,6 +23,7 @@
 #include <orthant/integrators/between_events/spatial_motion.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/spatial_immobility.h>
+#include <orthant/solvers/even_share.h>
 #include <orthant/solvers/refinement.h>
 
 #include <string>
@@ -68,6 +69,7 @@ class SpatialTransition {
   Lcp lcp_;
   Solution solution_;
   Refinement refinement_;
+  EvenShare even_share_;
   std::vector<int> contacts_;
   std::vector<ContactRowsOf<Spatial>> rows_;
   std::string why_;

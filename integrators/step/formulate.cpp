@@ -37,7 +37,12 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
     const bool solved = solve_once(solver, report, pool) &&
                         (!problem_.regrade(solution_.z, solution_.w) || solve_once(solver, report, pool));
     if (!deficiency_.give_way(problem_, solution_, solved, report)) {
-      if (solved) return true;
+      if (solved) {
+        if constexpr (!kPlanar<Space>)
+          if (precise_ && !problem_.whole().friction.empty())
+            even_share_.improve(problem_.whole(), std::ssize(problem_.contacts()), solver, solution_);
+        return true;
+      }
       const Status status = report.status;
       const bool tries = status == Status::infeasible || status == Status::stalled || status == Status::ray;
       if (elastic && tries && problem_.drop_restitution()) {

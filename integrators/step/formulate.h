@@ -30,6 +30,7 @@
 
 #include <orthant/integrators/step/island_solve.h>
 #include <orthant/integrators/step/spatial_rank_deficiency.h>
+#include <orthant/solvers/even_share.h>
 
 namespace orthant {
 
@@ -77,7 +78,8 @@ template <class Space> class FormulationOf {
   /// All rows become equations, w = 0.
   void bind() { problem_.bind(); }
 
-  /// From now on answers are brought to rounding (solvers/refinement.h), for integrators with error control.
+  /// From now on answers are brought to rounding (solvers/refinement.h), for integrators with error control. In space
+  /// impulses that the rows leave open are shared evenly (solvers/even_share.h).
   void refine() { islands_.refine(), precise_ = true; }
 
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
@@ -115,6 +117,7 @@ template <class Space> class FormulationOf {
   StepProblemOf<Space> problem_;
   IslandSolveOf<Space> islands_;
   RankDeficiencyOf<Space> deficiency_;
+  EvenShare even_share_;
   Solution solution_;
   const Terms* terms_ = nullptr;  // last formulated, for names
   bool friction_wins_ = false, precise_ = false;

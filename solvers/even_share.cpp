@@ -1,0 +1,58 @@
+#include <orthant/solvers/even_share.h>
+
+#include <algorithm>
+
+namespace orthant {
+namespace {
+
+constexpr double kWeight = 1e-3;  // of the diagonal: a tenth of the range's least eigenvalue at most, mostly
+constexpr int kSteps = 50;
+constexpr double kStill = 1e-14;     // of z
+constexpr double kAccepted = 1e-10;  // of the data, by the judge
+constexpr double kRank = 1e-10;
+constexpr Index kMostNormals = 100;
+
+}  // namespace
+
+/// The normals depend on each other.
+bool EvenShare::open(const Lcp& problem, Index normals) {
+  const auto* A = std::get_if<DenseMatrix>(&problem.A);
+  if (A == nullptr || normals < 2 || normals > kMostNormals) return false;
+  rank_.setThreshold(kRank);
+  rank_.compute(A->topLeftCorner(normals, normals));
+  return rank_.rank() < normals;
+}
+
+bool EvenShare::improve(const Lcp& problem, Index normals, Solver& solver, Solution& s) {
+  if (s.status != Status::solved || !open(problem, normals)) return false;
+  const auto& A = std::get<DenseMatrix>(problem.A);
+  const Index n = problem.size();
+  weight_ = kWeight * A.diagonal().cwiseAbs();
+  for (const Friction& f : problem.friction) {
+    const double mean = weight_.segment(f.first, f.rows).mean();
+    weight_.segment(f.first, f.rows).setConstant(mean);
+  }
+  if (!(weight_.minCoeff() > 0)) return false;
+  step_ = problem;
+  std::get<DenseMatrix>(step_.A).diagonal() += weight_;
+  trial_.z = Vector::Zero(n), last_ = Vector::Zero(n);
+  double moved = kInf;
+  for (int k = 0; k < kSteps; ++k) {
+    step_.b = problem.b - weight_.cwiseProduct(last_);
+    solver.solve(step_, trial_, k == 0 ? Start::cold : Start::warm);
+    if (trial_.status != Status::solved) return false;
+    const double now = (trial_.z - last_).lpNorm<Eigen::Infinity>();
+    last_ = trial_.z;
+    if (now <= kStill * last_.lpNorm<Eigen::Infinity>() || (k > 5 && now >= moved)) break;  // rounding
+    moved = now;
+  }
+  found_.z = last_;
+  judge_.certify(problem, kAccepted, Claim::candidate, found_);
+  if (found_.status != Status::solved ||
+      found_.residual > std::max(s.residual, 1e-13 * problem.b.lpNorm<Eigen::Infinity>()))
+    return false;
+  s.z = found_.z, s.w = found_.w, s.residual = found_.residual;
+  return true;
+}
+
+}  // namespace orthant
