@@ -201,10 +201,10 @@ Vector3d in_frame(const spatial::Pose& pose, const Vector3d& p) { return pose.tu
 std::optional<spatial::TouchPoint> corner_moved(const spatial::Shape& one, const spatial::TouchPoint& p,
                                                 const spatial::Pose& one_before, const spatial::Pose& one_now,
                                                 const spatial::Pose& other_before, const spatial::Pose& other_now) {
-  constexpr double kSame = 1e-9;  // of the size
+  constexpr double kAlike = 1e-9;  // of the size
   if (!one.polytope()) return {};
   const Vector3d place = in_frame(one_before, p.on_a);
-  const auto same = [&](const Vector3d& corner) { return (corner - place).norm() <= kSame * one.hull->size; };
+  const auto same = [&](const Vector3d& corner) { return (corner - place).norm() <= kAlike * one.hull->size; };
   if (std::none_of(one.hull->corners.begin(), one.hull->corners.end(), same)) return {};
   const Vector3d n = other_now.turn(other_before.turn_back(p.n)), on_one = one_now.x + one_now.turn(place);
   const double gap = n.dot(on_one - other_now.x - other_now.turn(in_frame(other_before, p.on_b)));
