@@ -32,7 +32,7 @@ void check(const TrafficNetwork& network) {
 Index arcs_of(const TrafficNetwork& network) { return static_cast<Index>(network.arcs.size()); }
 
 /// Row of π among those of the destination's nodes; -1: the destination itself.
-Index place_of(Index node, Index destination) {
+Index row_among(Index node, Index destination) {
   if (node == destination) return -1;
   return node < destination ? node : node - 1;
 }
@@ -66,7 +66,7 @@ Vector TrafficNetwork::times(const Vector& z) const {
 }
 
 double TrafficNetwork::time_to(const Vector& z, Index node, std::size_t destination) const {
-  const Index to = destinations()[destination], place = place_of(node, to);
+  const Index to = destinations()[destination], place = row_among(node, to);
   const Index m = arcs_of(*this);
   return place < 0 ? 0 : z[static_cast<Index>(destination) * (m + nodes - 1) + m + place];
 }
@@ -91,18 +91,18 @@ Lcp traffic_equilibrium(const TrafficNetwork& network) {
       q[first + a] = arc.time;
       if (arc.congestion > 0)
         for (Index other = a; other < n; other += block) entries.emplace_back(first + a, other, arc.congestion);
-      if (const Index head = place_of(arc.head, to); head >= 0) entries.emplace_back(first + a, first + m + head, 1);
-      if (const Index tail = place_of(arc.tail, to); tail >= 0) entries.emplace_back(first + a, first + m + tail, -1);
+      if (const Index head = row_among(arc.head, to); head >= 0) entries.emplace_back(first + a, first + m + head, 1);
+      if (const Index tail = row_among(arc.tail, to); tail >= 0) entries.emplace_back(first + a, first + m + tail, -1);
     }
     for (Index node = 0; node < network.nodes; ++node) {
-      const Index place = place_of(node, to);
+      const Index place = row_among(node, to);
       if (place < 0) continue;
       const auto i = static_cast<std::size_t>(node);
       for (const Index a : leaving[i]) entries.emplace_back(first + m + place, first + a, 1);
       for (const Index a : entering[i]) entries.emplace_back(first + m + place, first + a, -1);
     }
     for (const auto& trip : network.trips)
-      if (trip.to == to) q[first + m + place_of(trip.from, to)] -= trip.demand;
+      if (trip.to == to) q[first + m + row_among(trip.from, to)] -= trip.demand;
   }
   Eigen::SparseMatrix<double, Eigen::RowMajor> M(n, n);
   M.setFromTriplets(entries.begin(), entries.end());
