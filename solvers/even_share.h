@@ -13,6 +13,8 @@
 
 #include <orthant/solvers/solver.h>
 
+#include <Eigen/Dense>
+
 namespace orthant {
 
 class EvenShare {  // reuse it: the members are scratch
