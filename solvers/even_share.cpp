@@ -41,6 +41,7 @@ bool EvenShare::improve(const Lcp& problem, Index normals, Solver& solver, Solut
     step_.b = problem.b - weight_.cwiseProduct(last_);
     solver.solve(step_, trial_, k == 0 ? Start::cold : Start::warm);
     if (trial_.status != Status::solved) return false;
+    refinement_.improve(step_, trial_);
     const double now = (trial_.z - last_).lpNorm<Eigen::Infinity>();
     last_ = trial_.z;
     if (now <= kStill * last_.lpNorm<Eigen::Infinity>() || (k > 5 && now >= moved)) break;  // rounding

@@ -11,7 +11,7 @@
 // Source: Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898 (proximal points).
 #pragma once
 
-#include <orthant/solvers/solver.h>
+#include <orthant/solvers/refinement.h>
 
 #include <Eigen/Dense>
 
@@ -27,6 +27,7 @@ class EvenShare {  // reuse it: the members are scratch
   bool open(const Lcp& problem, Index normals);
 
   Lcp step_;
+  Refinement refinement_;
   Solution trial_, found_;
   Vector weight_, last_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> rank_;
