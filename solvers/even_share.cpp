@@ -56,4 +56,29 @@ bool EvenShare::improve(const Lcp& problem, Index normals, Solver& solver, Solut
   return true;
 }
 
+bool EvenShare::matters(const Lcp& problem, const Solution& s) const {
+  constexpr double kSlides = 1e-9, kCounts = 1e-6;
+  const auto& A = std::get<DenseMatrix>(problem.A);
+  Eigen::VectorXd ratio = Eigen::VectorXd::Zero(problem.size());  // of a friction row's force to its normal's
+  for (const Friction& f : problem.friction) {
+    const double normal = s.z[f.normal], along = s.z.segment(f.first, f.rows).norm();
+    if (!(normal > 0)) continue;
+    if (along < (1 - kSlides) * f.mu * normal) return false;
+    for (Index k = 0; k < f.rows; ++k) ratio[f.first + k] = s.z[f.first + k] / normal;
+  }
+  Eigen::FullPivLU<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(kRank);
+  const Index normals = rank_.rows();
+  const Eigen::MatrixXd others = decomposition.compute(A.topLeftCorner(normals, normals)).kernel();
+  Eigen::VectorXd change(problem.size());
+  for (Index k = 0; k < others.cols(); ++k) {
+    change.setZero(), change.head(normals) = others.col(k);
+    for (const Friction& f : problem.friction)
+      for (Index t = 0; t < f.rows; ++t) change[f.first + t] = ratio[f.first + t] * change[f.normal];
+    const Eigen::VectorXd by = A * change, all = A.cwiseAbs() * change.cwiseAbs();
+    if ((by.cwiseAbs() - kCounts * all).maxCoeff() > 0) return true;
+  }
+  return false;
+}
+
 }  // namespace orthant

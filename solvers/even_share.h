@@ -23,6 +23,9 @@ class EvenShare {  // reuse it: the members are scratch
   /// many. True: it did.
   bool improve(const Lcp& problem, Index normals, Solver& solver, Solution& s);
 
+  /// Whether w depends on the shares in the s improved last: contacts slide, each its own way, and none sticks.
+  bool matters(const Lcp& problem, const Solution& s) const;
+
  private:
   bool open(const Lcp& problem, Index normals);
 

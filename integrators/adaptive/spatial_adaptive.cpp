@@ -42,7 +42,7 @@ SpatialAdaptive::SpatialAdaptive(const System& system, const Options& options)
 
 void SpatialAdaptive::remember(CheckpointData& memory) {
   memory(engine_, between_, inner_, before_, last_, began_, reach_, joint_residual_, joint_rate_, handed_push_,
-         left_.events, left_.impulses, left_.work, failed_.status, failed_.why);
+         left_.events, left_.impulses, left_.work, left_.undetermined, failed_.status, failed_.why);
   fitted_ = false;
 }
 
@@ -55,7 +55,7 @@ void SpatialAdaptive::restart(const State& x) {
   inner_ = before_ = x;
   began_ = x.t, reach_ = 1;
   failed_ = {};
-  left_.events.clear(), left_.work = 0;
+  left_.events.clear(), left_.work = 0, left_.undetermined = 0;
   std::fill(left_.impulses.begin(), left_.impulses.end(), Impulse{});
 }
 
@@ -91,9 +91,12 @@ StepReport SpatialAdaptive::step(double h, Solver& solver, State& x) {
 void SpatialAdaptive::stride(Solver& solver, StepReport& report) {
   before_ = inner_, fitted_ = false;
   const std::optional<double> work = report.work;
+  const int undetermined = report.undetermined;
   const bool going = engine_.stride(reach_, solver, inner_, report);
   left_.work += report.work.value_or(0) - work.value_or(0);
   report.work = work;
+  left_.undetermined += report.undetermined - undetermined;
+  report.undetermined = undetermined;
   failed_ = going ? Failure{} : Failure{report.status, engine_.why()};
   report.status = Status::solved;
   if (inner_.t > before_.t) reach_ = std::max(10 * (inner_.t - before_.t), inner_.t - began_);
@@ -109,7 +112,8 @@ void SpatialAdaptive::stride(Solver& solver, StepReport& report) {
 /// Events, impulses and work of the last inner step, as far as they are still to be handed out.
 void SpatialAdaptive::hand_over_all(StepReport& report) {
   if (measures_) *report.work += left_.work;
-  left_.work = 0;
+  report.undetermined += left_.undetermined;
+  left_.work = 0, left_.undetermined = 0;
   events_.insert(events_.end(), left_.events.begin(), left_.events.end());
   left_.events.clear();
   for (std::size_t c = 0; c < impulses_.size(); ++c) {

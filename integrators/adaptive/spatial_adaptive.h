@@ -42,7 +42,8 @@ class SpatialAdaptive final : public IntegratorOf<Spatial> {
   struct Left {  // what is still to be handed out of the last inner step
     std::vector<Event> events;
     std::vector<Impulse> impulses;
-    double work = 0;  // [J]
+    double work = 0;       // [J]
+    int undetermined = 0;  // steps, see StepReport
   };
   struct Failure {  // of the inner step that ended at inner_
     Status status = Status::solved;

@@ -64,18 +64,18 @@ template <class Space> class ContactEquationsOf {
       solve_as<Eigen::MatrixXd>(share, known);
   }
 
-  /// Whether x + B Fᵀ z depends on the choice among all z that solve, by more than kOpen of what such forces do.
-  bool leaves_open() const {
+  /// Whether x + B Fᵀ z depends on the choice among all z that solve, by more than kOpen of what such forces do, in the
+  /// norm of these masses. [dof]
+  bool leaves_open(const Eigen::VectorXd& mass) const {
     constexpr double kOpen = 1e-6;
     if (!dependent || z.isZero()) return false;
     Eigen::FullPivLU<Eigen::MatrixXd> decomposition;
     decomposition.setThreshold(1e-10);
     const Eigen::MatrixXd others = decomposition.compute(A).kernel();
-    const Vector all = columns_.cwiseAbs().rowwise().sum();
-    for (Index k = 0; k < others.cols(); ++k) {
-      const Vector by = columns_ * others.col(k) / others.col(k).template lpNorm<Eigen::Infinity>();
-      if ((by.cwiseAbs() - kOpen * all).maxCoeff() > 0) return true;
-    }
+    const Eigen::MatrixXd weighted = mass.cwiseSqrt().asDiagonal() * columns_;
+    const double all = kOpen * weighted.colwise().norm().sum();
+    for (Index k = 0; k < others.cols(); ++k)
+      if ((weighted * others.col(k)).norm() > all * others.col(k).lpNorm<Eigen::Infinity>()) return true;
     return false;
   }
 

@@ -24,6 +24,8 @@
 
 namespace orthant {
 
+inline constexpr double kLeastShare = 1e-13;  // of a load, of the largest: none so small that it counts as dependent
+
 struct SpatialMode {
   bool lasting = false, sticks = false, slides = false;  // neither of the two: without friction
   bool departs = false;                                  // slides, along its acceleration
@@ -79,7 +81,7 @@ class SpatialMotion {
   /// The lasting contacts' rows depend on each other: their forces are not unique.
   bool redundant() const { return !lasting_.empty() && equations_.dependent; }
   /// Likewise, and the accelerations depend on which are taken: on slip that a yaw turns from contact to contact.
-  bool undetermined() const { return redundant() && equations_.leaves_open(); }
+  bool undetermined() const { return redundant() && equations_.leaves_open(system_.mass()); }
   /// All but the gaps' scales: where accelerations() was evaluated last.
   void watch(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a, SpatialWatched& w);
 

@@ -226,7 +226,7 @@ Status SpatialTransition::decide(SpatialMotion& motion, const Eigen::VectorXd& q
     if (!mode.lasting) continue;
     mode.slides = c.slides, mode.departs = c.departs, mode.departure = c.direction;
     mode.sticks = !c.slides && static_friction(system_.law(c.contact)) > 0;
-    mode.share_normal = std::max(solution_.z[row], 1e-3 * most);  // none so small that it counts as dependent
+    mode.share_normal = std::max(solution_.z[row], kLeastShare * most);
     mode.share_tangent = static_friction(system_.law(c.contact)) * mode.share_normal;
   }
   motion.modes_changed();

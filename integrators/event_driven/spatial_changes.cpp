@@ -232,7 +232,8 @@ bool SpatialEventDriven::settle(Solver& solver, const std::optional<Sign>& event
   return true;
 }
 
-/// Equal shares of forces that are not unique, where they hold. False: no accelerations.
+/// Equal shares of forces that are not unique, where they hold: of all contacts that last, else of those that the
+/// decision found to bear. False: no accelerations.
 bool SpatialEventDriven::share_equally() {
   const auto pushes = [&](int c) {  // [N], not [N m]
     const auto& contact = system_.scene().contacts[static_cast<std::size_t>(c)];
@@ -240,11 +241,16 @@ bool SpatialEventDriven::share_equally() {
   };
   if (!motion_.redundant() || !std::ranges::all_of(motion_.lasting(), pushes)) return true;
   const std::vector<SpatialMode> found = motion_.modes;
-  for (const int c : motion_.lasting()) {
-    SpatialMode& mode = motion_.modes[static_cast<std::size_t>(c)];
-    mode.share_normal = 1, mode.share_tangent = static_friction(system_.law(c));
+  double most = 0;
+  for (const int c : motion_.lasting()) most = std::max(most, found[static_cast<std::size_t>(c)].share_normal);
+  for (const double least : {0.0, 2 * kLeastShare * most}) {
+    for (const int c : motion_.lasting()) {
+      SpatialMode& mode = motion_.modes[static_cast<std::size_t>(c)];
+      mode.share_normal = found[static_cast<std::size_t>(c)].share_normal > least ? 1 : kLeastShare;
+      mode.share_tangent = static_friction(system_.law(c)) * mode.share_normal;
+    }
+    if (observe(now_, time_) && shares_hold()) return true;
   }
-  if (observe(now_, time_) && shares_hold()) return true;
   motion_.modes = found;
   return observe(now_, time_);
 }

@@ -39,8 +39,10 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
     if (!deficiency_.give_way(problem_, solution_, solved, report)) {
       if (solved) {
         if constexpr (!kPlanar<Space>)
-          if (precise_ && !problem_.whole().friction.empty())
-            even_share_.improve(problem_.whole(), std::ssize(problem_.contacts()), solver, solution_);
+          if (precise_ && !problem_.whole().friction.empty() &&
+              even_share_.improve(problem_.whole(), std::ssize(problem_.contacts()), solver, solution_) &&
+              even_share_.matters(problem_.whole(), solution_))
+            ++report.undetermined;
         return true;
       }
       const Status status = report.status;

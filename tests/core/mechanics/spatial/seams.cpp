@@ -132,8 +132,8 @@ double depth_in_solids(const std::vector<std::vector<HalfSpace>>& differences) {
     const auto& solid = differences[place.solid];
     const HalfSpace& plane = solid[place.plane];
     const Vector3d u = spatial::perpendicular(plane.n), w = plane.n.cross(u), foot = plane.offset * plane.n;
-    constexpr double kWide = 100;
-    Rim rim = {foot - kWide * (u + w), foot + kWide * (u - w), foot + kWide * (u + w), foot + kWide * (w - u)};
+    constexpr double kReach = 100;
+    Rim rim = {foot - kReach * (u + w), foot + kReach * (u - w), foot + kReach * (u + w), foot + kReach * (w - u)};
     for (std::size_t j = 0; j < solid.size() && !rim.empty(); ++j)
       if (j != place.plane) rim = part_below(rim, solid[j].n, solid[j].offset);
     std::vector<Rim> parts;
