@@ -1,30 +1,26 @@
-// Friction, restitution and clearance of the slider-crank from a noisy crank angle: the worth of derivatives.
-//
-//   Data: θ₁ at N times by event-driven at the true (μ, e, c), plus normal noise of `sigma`, seeded.
-//   min ½ Σ (θ₁(t_i; μ, e, c) − y_i)² / σ²,  in units of the start's values, within bounds
-//   by NLopt (gradient-free: BOBYQA, COBYLA, Nelder–Mead; with gradients: L-BFGS, SLSQP), by Ipopt (its limited-memory
-//   Hessian) and by Gauss–Newton. Gradients: those of the motion itself (motion_tangent.h), not of a scheme's steps.
-//   Error bars: square roots of the diagonal of (Jᵀ J / σ²)⁻¹ at the fit, J = ∂θ₁/∂(μ, e, c): Gauss–Newton's matrix.
-#include "experiments/support/command_line.h"
+#include "experiments/studies/identify/fit.h"
+
+#include "experiments/studies/identify/nlopt_search.h"
+#include "experiments/studies/identify/timed.h"
 
 #include <orthant/core/scenes/slider_crank.h>
 #include <orthant/integrators/derivatives/motion_tangent.h>
 #include <orthant/integrators/simulate.h>
 #include <orthant/solvers/registry.h>
 
-#include <nlopt.h>
-#include <CLI/CLI.hpp>
 #include <coin/IpIpoptApplication.hpp>
 #include <coin/IpTNLP.hpp>
 
 #include <Eigen/Cholesky>
-#include <chrono>
 #include <cmath>
-#include <iomanip>
-#include <iostream>
+#include <functional>
+#include <memory>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
-using namespace orthant;
+namespace orthant {
 
 namespace {
 
@@ -103,24 +99,19 @@ class Fit {
   Eigen::VectorXd data_;
 };
 
-double nlopt_cost(unsigned /*n*/, const double* x, double* gradient, void* fit) {
-  const Three at(x[0], x[1], x[2]);
-  if (gradient == nullptr) return static_cast<Fit*>(fit)->cost(at);
-  Three g;
-  const double value = static_cast<Fit*>(fit)->cost(at, g);
-  Eigen::Map<Three>(gradient, 3) = g;
-  return value;
-}
-
 void by_nlopt(nlopt_algorithm algorithm, Fit& fit, Three& x) {
-  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> optimizer(nlopt_create(algorithm, 3), &nlopt_destroy);
-  nlopt_set_min_objective(optimizer.get(), nlopt_cost, &fit);
-  nlopt_set_lower_bounds(optimizer.get(), kLow.data()), nlopt_set_upper_bounds(optimizer.get(), kHigh.data());
-  nlopt_set_xtol_rel(optimizer.get(), 1e-6), nlopt_set_maxeval(optimizer.get(), 500);
-  double least = 0;
-  const nlopt_result result = nlopt_optimize(optimizer.get(), x.data(), &least);
-  if (result < 0 && result != NLOPT_ROUNDOFF_LIMITED)
-    throw std::runtime_error("NLopt ended as " + std::to_string(result));
+  Eigen::VectorXd at = x;
+  search(
+      {.algorithm = algorithm, .low = kLow, .high = kHigh, .x_relative = 1e-6, .most = 500},
+      [&](const Eigen::VectorXd& to, Eigen::VectorXd* gradient) {
+        if (gradient == nullptr) return fit.cost(Three(to));
+        Three g;
+        const double value = fit.cost(Three(to), g);
+        *gradient = g;
+        return value;
+      },
+      at);
+  x = at;
 }
 
 class IpoptFit final : public Ipopt::TNLP {
@@ -198,70 +189,52 @@ void by_gauss_newton(Fit& fit, Three& x) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  double sigma = 1e-3, duration = 0.1;
-  int samples = 100;
-  unsigned seed = 1;
-  CLI::App app("identify: friction, restitution and clearance of the slider-crank from a noisy crank angle");
-  app.add_option("--sigma", sigma, "standard deviation of the noise [rad]")->capture_default_str();
-  app.add_option("--duration", duration, "of the measurement [s]")->capture_default_str();
-  app.add_option("--samples", samples, "angles measured")->capture_default_str();
-  app.add_option("--seed", seed, "of the noise")->capture_default_str();
-  if (const auto code = parse(app, argc, argv)) return *code;
-  try {
-    const Three truth = Three(0.01, 0.4, 0.001).cwiseQuotient(kUnit);
-    std::cout << "data: theta_1 at " << samples << " times up to " << duration << " s, noise " << sigma << " rad, seed "
-              << seed << "\ntrue: mu = 0.01, e = 0.4, c = 0.001 m; start: mu = " << kUnit[0] << ", e = " << kUnit[1]
-              << ", c = " << kUnit[2] << " m\n\n"
-              << "| method | derivatives | mu | e | c [m] | cost | runs | runs with J | seconds |\n"
-              << "|---|---|---|---|---|---|---|---|---|\n";
-    struct Method {
-      const char *name, *derivatives;
-      std::function<void(Fit&, Three&)> run;
-    };
-    const auto nlopt = [](nlopt_algorithm algorithm) {
-      return [algorithm](Fit& fit, Three& x) { by_nlopt(algorithm, fit, x); };
-    };
-    const Method methods[] = {{"NLopt BOBYQA", "no", nlopt(NLOPT_LN_BOBYQA)},
-                              {"NLopt COBYLA", "no", nlopt(NLOPT_LN_COBYLA)},
-                              {"NLopt Nelder-Mead", "no", nlopt(NLOPT_LN_NELDERMEAD)},
-                              {"NLopt L-BFGS", "gradient", nlopt(NLOPT_LD_LBFGS)},
-                              {"NLopt SLSQP", "gradient", nlopt(NLOPT_LD_SLSQP)},
-                              {"Ipopt", "gradient", by_ipopt},
-                              {"Gauss-Newton", "J", by_gauss_newton}};
-    Three best = Three::Ones();
-    double least = kInf;
-    for (const Method& method : methods) {
-      Fit fit(duration, samples, sigma);
-      fit.measure(truth, seed);
-      fit.runs = 0;
-      Three x = Three::Ones();
-      const auto begin = std::chrono::steady_clock::now();
-      std::string failed;
-      try {
-        method.run(fit, x);
-      } catch (const std::exception& error) {
-        failed = error.what();
-      }
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-      const int runs = fit.runs, gradients = fit.gradients;
-      const double cost = fit.cost(x);
-      if (cost < least) least = cost, best = x;
-      std::cout << "| " << method.name << " | " << method.derivatives << " | " << std::setprecision(6)
-                << x[0] * kUnit[0] << " | " << x[1] * kUnit[1] << " | " << x[2] * kUnit[2] << " | " << cost << " | "
-                << runs << " | " << gradients << " | " << std::setprecision(3) << seconds << " |"
-                << (failed.empty() ? "" : " " + failed) << std::endl;
-    }
-    Fit fit(duration, samples, sigma);
-    fit.measure(truth, seed);
-    Eigen::Matrix3d H;
-    Three g;
-    fit.normal_equations(best, H, g);
-    const Three bars = H.inverse().diagonal().cwiseSqrt().cwiseProduct(kUnit), value = best.cwiseProduct(kUnit);
-    std::cout << std::setprecision(6) << "\nmu = " << value[0] << " +- " << bars[0] << "\ne = " << value[1] << " +- "
-              << bars[1] << "\nc = " << value[2] << " +- " << bars[2] << " m   (one standard deviation)\n";
-  } catch (const std::exception& error) {
-    std::cerr << "identify: " << error.what() << '\n';
-    return 1;
+Table fit_parameters(const FitPlan& plan) {
+  const Three truth = Three(0.01, 0.4, 0.001).cwiseQuotient(kUnit);
+  std::cout << "Friction, restitution and clearance of the slider-crank\n"
+            << "data: theta_1 at " << plan.samples << " times up to " << plan.duration << " s, noise " << plan.sigma
+            << " rad, seed " << plan.seed << "\ntrue: mu = 0.01, e = 0.4, c = 0.001 m; start: mu = " << kUnit[0]
+            << ", e = " << kUnit[1] << ", c = " << kUnit[2] << " m\n\n";
+  Table table{"method", "derivatives", "mu", "e", "c [m]", "cost", "runs", "runs with J", "seconds", "failure"};
+  struct Method {
+    const char *name, *derivatives;
+    std::function<void(Fit&, Three&)> run;
+  };
+  const auto nlopt = [](nlopt_algorithm algorithm) {
+    return [algorithm](Fit& fit, Three& x) { by_nlopt(algorithm, fit, x); };
+  };
+  const Method methods[] = {{"NLopt BOBYQA", "no", nlopt(NLOPT_LN_BOBYQA)},
+                            {"NLopt COBYLA", "no", nlopt(NLOPT_LN_COBYLA)},
+                            {"NLopt Nelder-Mead", "no", nlopt(NLOPT_LN_NELDERMEAD)},
+                            {"NLopt L-BFGS", "gradient", nlopt(NLOPT_LD_LBFGS)},
+                            {"NLopt SLSQP", "gradient", nlopt(NLOPT_LD_SLSQP)},
+                            {"Ipopt", "gradient", by_ipopt},
+                            {"Gauss-Newton", "J", by_gauss_newton}};
+  Three best = Three::Ones();
+  double least = kInf;
+  for (const Method& method : methods) {
+    Fit fit(plan.duration, plan.samples, plan.sigma);
+    fit.measure(truth, plan.seed);
+    fit.runs = 0;
+    Three x = Three::Ones();
+    const Timed timed = time_of([&] { method.run(fit, x); });
+    const int runs = fit.runs, gradients = fit.gradients;
+    const double cost = fit.cost(x);
+    if (cost < least) least = cost, best = x;
+    const Three value = x.cwiseProduct(kUnit);
+    table.row({method.name, method.derivatives, Table::Number{value[0]}, Table::Number{value[1]},
+               Table::Number{value[2]}, Table::Number{cost}, runs, gradients, Table::Number{timed.seconds, 3},
+               timed.failure});
   }
+  Fit fit(plan.duration, plan.samples, plan.sigma);
+  fit.measure(truth, plan.seed);
+  Eigen::Matrix3d H;
+  Three g;
+  fit.normal_equations(best, H, g);
+  const Three bars = H.inverse().diagonal().cwiseSqrt().cwiseProduct(kUnit), value = best.cwiseProduct(kUnit);
+  std::cout << std::setprecision(6) << "\nmu = " << value[0] << " +- " << bars[0] << "\ne = " << value[1] << " +- "
+            << bars[1] << "\nc = " << value[2] << " +- " << bars[2] << " m   (one standard deviation)\n\n";
+  return table;
 }
+
+}  // namespace orthant
