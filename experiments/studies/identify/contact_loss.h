@@ -1,9 +1,10 @@
 // experiments/studies/identify/contact_loss.h — onset of contact loss: the crank speed from which on a slider leaves
 // its guide.
 //
-//   The slider-crank with clearance, not driven, starts at θ₁ = 0 with the crank speed ω₀. Its slider rests on the lower
-//   wall, e = 0. N(t; ω₀) is the sum of λ_N of the two lower corners while they are kept closed. Over a revolution
-//     F(ω₀) = min N(t; ω₀) [N],   F′ = ∂N/∂(q, v) δ at the minimum t*,   δ = ∂(q, v)/∂ω₀ by motion_tangent.h         (1)
+//   The slider-crank with clearance, not driven, starts at θ₁ = 0 with the crank speed ω₀. Its slider rests on the
+//   lower wall, e = 0. N(t; ω₀) is the sum of λ_N of the two lower corners, while these are kept closed. Over a
+//   revolution
+//     F(ω₀) = min N(t; ω₀) [N],   F′ = ∂N/∂(q, v) δ at the minimum t*,   δ = ∂(q, v)/∂ω₀ by motion_tangent.h        (1)
 //   (t* moves, but ∂N/∂t = 0 there). Contact is lost if F < 0. Behind the release N is then that of a guide that holds
 //   the slider: negative. A slow crank swings back; its first kLongest seconds count.
 #pragma once

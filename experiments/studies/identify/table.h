@@ -1,4 +1,5 @@
-// experiments/studies/identify/table.h — results table: printed row by row as Markdown, kept as CSV.
+// experiments/studies/identify/table.h — results table: printed row by row as Markdown, kept as CSV. Texts hold no
+// quotation marks.
 #pragma once
 
 #include <initializer_list>
@@ -17,7 +18,7 @@ class Table {
     std::string line = "|", rule = "|", heads;
     for (const char* column : columns) {
       line += ' ' + std::string(column) + " |", rule += "---|";
-      heads += (heads.empty() ? "" : ",") + std::string(column);
+      heads += (heads.empty() ? "" : ",") + quoted(column);
     }
     std::cout << line << '\n' << rule << std::endl;
     csv_ = heads + '\n';
@@ -35,7 +36,7 @@ class Table {
       if (const auto* number = std::get_if<Number>(&cell)) {
         line << std::setprecision(number->digits) << number->value, kept << number->value;
       } else if (const auto* text = std::get_if<std::string>(&cell)) {
-        line << *text, kept << *text;
+        line << *text, kept << quoted(*text);
       } else {
         line << std::get<int>(cell), kept << std::get<int>(cell);
       }
@@ -46,6 +47,9 @@ class Table {
   const std::string& csv() const { return csv_; }
 
  private:
+  static std::string quoted(const std::string& text) {
+    return text.find(',') == std::string::npos ? text : '"' + text + '"';
+  }
   std::string csv_;
 };
 
