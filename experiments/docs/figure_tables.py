@@ -233,3 +233,20 @@ def joints(folder):
                                                   float(one[h]["error"]), 1e3 * float(one[h]["seconds"])))])
     yield "joints", ["joints", *(f"μ = {mu}, e = {e}" for mu, e in cases), "order, least", "order, most",
                      "µs a step, least", "µs a step, most", "h, µs", "error", "ms"], table
+
+
+def identify(folder):
+    """The three searches with derivatives and without: a row a method."""
+    number = lambda text, factor=1: digits(factor * float(text), 6) if text not in ("-", "nan") else NONE  # noqa: E731
+    counts = lambda row: [int(row["runs"]), int(row[with_derivatives])]  # noqa: E731
+    with_derivatives = "runs with J"
+    yield "identify_fit", ["method", "μ", "e", "c, mm", "cost", "runs", "runs with derivatives"], \
+        [[row["method"], number(row["mu"]), number(row["e"]), number(row["c [m]"], 1e3), number(row["cost"]),
+          *counts(row)] for row in rows_of(folder / "fit.csv")]
+    with_derivatives = "runs with derivatives"
+    yield "identify_contact_loss", ["method", "μ", "rad/s", "error", "runs", with_derivatives, "ms"], \
+        [[row["method"], number(row["mu"]), float(row["crank speed [rad/s]"]), number(row["error"]), *counts(row),
+          number(row["seconds"], 1e3)] for row in rows_of(folder / "contact_loss.csv")]
+    yield "identify_shot", ["shot", "method", "miss, m", "runs", with_derivatives, "ms"], \
+        [[row["shot"], row["method"], number(row["miss [m]"]), *counts(row), number(row["seconds"], 1e3)]
+         for row in rows_of(folder / "shot.csv")]

@@ -19,7 +19,7 @@ import tomllib
 from pathlib import Path
 
 from figure_tables import (
-    chains, cones, joints, printed, regret, shootout, step_race, time_to_error, with_rivals)
+    chains, cones, identify, joints, printed, regret, shootout, step_race, time_to_error, with_rivals)
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -49,6 +49,8 @@ MEASUREMENTS = [
     (("pivots",), PROGRAMS + "time_per_pivot --solvers lemke:form=tableau --sizes 64 128 256 512 1000",
      printed("pivots"), None),
     (("obstacles",), PROGRAMS + "obstacle_grids --grids 512", printed("obstacles"), None),
+    (("identify_fit", "identify_contact_loss", "identify_shot"), "./experiments/run identify", identify,
+     "results/identify"),
     (("chains",), PROGRAMS + "parts --benchmark_filter=chain_step --benchmark_format=csv", chains, None),
 ]
 

@@ -21,6 +21,9 @@ namespace {
 constexpr std::array<int, 4> kPlaces{-2, -1, 1, 2};  // differences of fourth order
 constexpr std::array<double, 4> kWeights{1. / 12, -8. / 12, 8. / 12, -1. / 12};
 
+constexpr double kPrecision = 1e-13;  // of a root
+constexpr int kMostPasses = 100;
+
 struct Moment {
   double t = 0;
   Eigen::VectorXd q, v;
@@ -65,7 +68,8 @@ class NormalForce {
   Eigen::VectorXd a_;
 };
 
-/// t* within [0, length] after a moment, where the rate changes its sign from − to +: bisection and chords.
+/// t* within [0, length] after a moment, where the rate changes its sign from − to +: two chords, then a bisection, to
+/// 1e-9 of the length, since N changes by the square of the error.
 double time_of_least(NormalForce& force, const Moment& from, double length) {
   double low = 0, high = length, at_low = force.rate(from), at_high = force.rate(force.after(from, length));
   for (int pass = 0; pass < 60 && high - low > 1e-9 * length; ++pass) {
@@ -84,19 +88,21 @@ struct Found {  // a minimum of N
   bool smooth = false;  // N is stationary there
 };
 
-/// open_end: the motion goes on as it does there, or a contact is released, behind which N goes on falling.
+/// open_end: the motion goes on as it does there, or a contact is released, behind which N goes on falling. Where the
+/// arc is left it is one Runge–Kutta step: exact where F is near 0, since N is least soon after the release then.
 void keep_least(const System& system, const Arc& arc, bool open_end, bool released, Found& least) {
-  constexpr double kBehind = 1e-3, kFarthest = 1e3;  // of the arc's length
+  constexpr double kBehind = 1e-3, kFarther = 1.25, kFarthest = 1e3;  // times the arc's length
+  constexpr double kSameForce = 1e-12;                                // [N] rounding
   NormalForce force(system, arc.modes);
   const Moment begin{arc.start, arc.q0, arc.v0};
-  const auto keep = [&](double later, bool smooth) {
-    if (const double value = force.at(force.after(begin, later)); value < least.force)
-      least = {begin, later, value, arc.modes, smooth};
+  const auto keep = [&](double later, bool smooth) {  // of two at the same place, an end and a minimum, the latter
+    const double value = force.at(force.after(begin, later));
+    if (value < least.force + (smooth ? kSameForce : -kSameForce)) least = {begin, later, value, arc.modes, smooth};
   };
   keep(0, false), keep(arc.length, false);
   double end = open_end ? (1 + kBehind) * arc.length : arc.length;
   if (force.rate(begin) >= 0) return;
-  for (; force.rate(force.after(begin, end)) <= 0; end *= 1.25) {
+  for (; force.rate(force.after(begin, end)) <= 0; end *= kFarther) {
     if (!released) return;
     if (end > kFarthest * arc.length) throw std::runtime_error("the force of the guide has no least value");
   }
@@ -214,37 +220,41 @@ LeastForce ContactLoss::least(double crank_speed, bool slope) {
 
 double ContactLoss::by_newton(double low, double high) {
   double x = low;
-  for (int pass = 0; pass < 50; ++pass) {
+  for (int pass = 0; pass < kMostPasses; ++pass) {
     const LeastForce F = least(x, true);
     (F.force > 0 ? low : high) = x;
     double next = x - F.force / F.slope;
     if (!(next >= low && next <= high)) next = (low + high) / 2;
     const double moved = std::abs(next - x);
     x = next;
-    if (moved <= 1e-13 * x) break;
+    if (moved <= kPrecision * x) return x;
   }
-  return x;
+  throw std::runtime_error("Newton's method: no root of the least force is found");
 }
 
 double ContactLoss::by_chords(double low, double high) {
-  double at_low = least(low, false).force, at_high = least(high, false).force, x = low, before = kInf;
-  for (int pass = 0; pass < 100 && high - low > 1e-13 * high; ++pass) {
-    x = low - at_low * (high - low) / (at_high - at_low);
-    if (std::abs(x - before) <= 1e-13 * x) break;
-    before = x;
+  double at_low = least(low, false).force, at_high = least(high, false).force, x = low;
+  bool low_moved = false, high_moved = false;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    if (high - low <= kPrecision * high) return x;
+    const double next = low - at_low * (high - low) / (at_high - at_low), moved = std::abs(next - x);
+    x = next;
+    if (moved <= kPrecision * x) return x;
     const double force = least(x, false).force;
     if (force > 0) {
-      if (at_low > 0 && low != x && pass > 0) at_high /= 2;
       low = x, at_low = force;
+      if (low_moved) at_high /= 2;
     } else {
       high = x, at_high = force;
+      if (high_moved) at_low /= 2;
     }
+    low_moved = force > 0, high_moved = force <= 0;
   }
-  return x;
+  throw std::runtime_error("Illinois method: no root of the least force is found");
 }
 
 double ContactLoss::by_halving(double low, double high) {
-  while (high - low > 1e-13 * high) {
+  while (high - low > kPrecision * high) {
     const double x = (low + high) / 2;
     (release(x) ? high : low) = x;
   }

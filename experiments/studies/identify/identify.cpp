@@ -32,7 +32,9 @@ namespace {
 Table contact_loss() {
   constexpr double kLow = 5, kHigh = 60, kBeside = 1e-12;
   std::cout << "Crank speed at which contact loss begins: slider resting on its guide, e = 0, between " << kLow
-            << " and " << kHigh << " rad/s\n\n";
+            << " and " << kHigh
+            << " rad/s\nNewton, Illinois: root of the least normal force; bisection: does a run have "
+            << "a release?\n\n";
   std::ostringstream found;
   Table table{"mu",          "method",
               "derivatives", "crank speed [rad/s]",
@@ -42,9 +44,9 @@ Table contact_loss() {
   const struct {
     const char *name, *derivatives;
     double (ContactLoss::*find)(double, double);
-  } methods[] = {{"Newton, least normal force", "yes", &ContactLoss::by_newton},
-                 {"Illinois, least normal force", "no", &ContactLoss::by_chords},
-                 {"bisection, release", "no", &ContactLoss::by_halving}};
+  } methods[] = {{"Newton", "yes", &ContactLoss::by_newton},
+                 {"Illinois", "no", &ContactLoss::by_chords},
+                 {"bisection", "no", &ContactLoss::by_halving}};
   for (const double mu : {0.0, 0.01}) {
     const GuidedSlider slider{.mu = mu};
     const double exact = frictionless_contact_loss(slider.clearance);
@@ -74,7 +76,8 @@ Table contact_loss() {
 
 Table shot() {
   constexpr double kEnough = 1e-9;  // [m]
-  std::cout << "Billiard shot: places of two balls at the end, to " << kEnough << " m\n\n";
+  std::cout << "Billiard shot: places of two balls at the end, to " << kEnough
+            << " m; draw shot in the plane, bank shot in space\n\n";
   std::ostringstream found;
   found << std::setprecision(12);
   Table table{"shot", "method", "derivatives", "miss [m]", "runs", "runs with derivatives", "seconds", "failure"};
@@ -109,7 +112,7 @@ Table shot() {
             x);
       });
       const int runs = shot.runs, tangents = shot.tangents;
-      table.row({dimension == 2 ? "draw, plane" : "bank, space", method.name, method.derivatives,
+      table.row({dimension == 2 ? "draw" : "bank", method.name, method.derivatives,
                  Table::Number{shot.miss(x).norm(), 2}, runs, tangents, Table::Number{timed.seconds, 3},
                  timed.failure});
       if (method.algorithm != NLOPT_NUM_ALGORITHMS) continue;
