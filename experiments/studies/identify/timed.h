@@ -1,7 +1,8 @@
-// experiments/studies/identify/timed.h — wall time of a search, and its error message.
+// experiments/studies/identify/timed.h — processor time of a search, and its error message.
 #pragma once
 
-#include <chrono>
+#include "experiments/support/clock.h"
+
 #include <exception>
 #include <string>
 
@@ -14,13 +15,13 @@ struct Timed {
 
 template <class F> Timed time_of(F&& run) {
   Timed timed;
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = rival::processor_time();
   try {
     run();
   } catch (const std::exception& error) {
     timed.failure = error.what();
   }
-  timed.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  timed.seconds = rival::processor_time() - begin;
   return timed;
 }
 
