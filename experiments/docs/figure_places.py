@@ -42,7 +42,7 @@ QUOTES = [
      [("time_to_error", ("adaptive",), "1e-2")]),
     (RIVALS, r"in the_geometric_mean \| N; N from 4 rows on \| one to three rows: N \|",
      [("virtual_best", (rows,), "time / virtual best") for rows in ("all", "all of 4 rows and more", "1 to 3")]),
-    (STUDIES, r"crank speed of_N_rad/s \(N without_friction\)",
+    (STUDIES, r"crank_speed_of_N_rad/s_\(N without_friction\)",
      [("identify_contact_loss", ("Newton", mu), "rad/s") for mu in (0.01, 0)]),
     (DOCS + "choose_integrator.md", "selects its steps; N to N ms for the headline motion",
      [("time_to_error", ("adaptive",), "1e-2"), ("time_to_error", ("adaptive",), "1e-9")]),

@@ -3,6 +3,7 @@
 
 #include "experiments/studies/identify/contact_loss.h"
 #include "experiments/studies/identify/shot.h"
+#include "tests/support/folder.h"
 
 #include <orthant/integrators/event_driven/event_driven.h>
 #include <orthant/integrators/event_driven/spatial_event_driven.h>
@@ -96,4 +97,20 @@ TEST_CASE("a bank shot in space by derivatives meets the places of two balls to 
   CHECK(missed(system, 1.5, {0, 1, 7, 8}, shot.aim, order) < 1e-6);
   CAPTURE(order);
   CHECK(order.find('1') < order.find('4'));  // the cushion, then ball 2
+}
+
+TEST_CASE("the program writes a row a search, as printed, with its manifest") {
+  const std::string program = ORTHANT_EXPERIMENTS "/identify";
+  if (!std::filesystem::exists(program)) return;  // a build without Ipopt or NLopt
+  const Folder folder;
+  const Reply reply = folder.run("'" + program + "' --parts contact_loss --output results");
+  REQUIRE(reply.exit_code == 0);
+  const std::string csv = slurp(folder.path / "results/contact_loss.csv");
+  CHECK(csv.starts_with("mu,method,derivatives,crank speed [rad/s],error,\"release below, above\",runs,"));
+  CHECK(lines(csv) == 7);
+  std::size_t found = 0;
+  for (std::size_t at = 0; (at = csv.find(",no; yes,", at)) != std::string::npos; ++at) ++found;
+  CHECK(found == 6);
+  CHECK(reply.out.find("| 0.01 | Newton | yes | 23.70923117964") != std::string::npos);
+  CHECK(std::filesystem::exists(folder.path / "results/manifest.json"));
 }
