@@ -49,6 +49,15 @@ TEST_CASE("derivatives of the least force take less than half the runs of a bise
   CHECK(newton.runs < chords.runs);
 }
 
+TEST_CASE("a bracket without the onset of contact loss is refused") {
+  ContactLoss search({});
+  for (const auto& [low, high] : {std::pair{30.0, 60.0}, std::pair{5.0, 20.0}}) {
+    CHECK_THROWS_AS(search.by_newton(low, high), std::invalid_argument);
+    CHECK_THROWS_AS(search.by_chords(low, high), std::invalid_argument);
+    CHECK_THROWS_AS(search.by_halving(low, high), std::invalid_argument);
+  }
+}
+
 namespace {
 
 /// [m] How far another integrator's balls end from the aim; coordinates: those of the places.

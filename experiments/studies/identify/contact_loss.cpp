@@ -81,6 +81,11 @@ double time_of_least(NormalForce& force, const Moment& from, double length) {
   return std::abs(at_low) < std::abs(at_high) ? low : high;
 }
 
+[[noreturn]] void refuse(double low, double high) {
+  throw std::invalid_argument("crank speeds " + std::to_string(low) + " and " + std::to_string(high) +
+                              " rad/s: contact must be kept at the first and lost at the second");
+}
+
 struct Found {  // a minimum of N
   Moment from;
   double later = 0, force = kInf;  // [s] after it
@@ -219,6 +224,8 @@ LeastForce ContactLoss::least(double crank_speed, bool slope) {
 }
 
 double ContactLoss::by_newton(double low, double high) {
+  constexpr double kNoForce = 1e-9;  // [N] else an end of the bracket has been reached
+  const double first = low, last = high;
   double x = low;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const LeastForce F = least(x, true);
@@ -227,13 +234,16 @@ double ContactLoss::by_newton(double low, double high) {
     if (!(next >= low && next <= high)) next = (low + high) / 2;
     const double moved = std::abs(next - x);
     x = next;
-    if (moved <= kPrecision * x) return x;
+    if (moved > kPrecision * x) continue;
+    if (std::abs(F.force) > kNoForce) refuse(first, last);
+    return x;
   }
   throw std::runtime_error("Newton's method: no root of the least force is found");
 }
 
 double ContactLoss::by_chords(double low, double high) {
   double at_low = least(low, false).force, at_high = least(high, false).force, x = low;
+  if (!(at_low > 0 && at_high < 0)) refuse(low, high);
   bool low_moved = false, high_moved = false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     if (high - low <= kPrecision * high) return x;
@@ -254,10 +264,12 @@ double ContactLoss::by_chords(double low, double high) {
 }
 
 double ContactLoss::by_halving(double low, double high) {
+  const double first = low, last = high;
   while (high - low > kPrecision * high) {
     const double x = (low + high) / 2;
     (release(x) ? high : low) = x;
   }
+  if (low == first || high == last) refuse(first, last);  // all runs ended alike
   return (low + high) / 2;
 }
 

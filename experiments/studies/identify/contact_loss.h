@@ -45,7 +45,8 @@ class ContactLoss {
   std::optional<double> release(double crank_speed);
 
   /// Root of F in [low, high], F(low) > 0 > F(high), to 1e-13 of it: by Newton steps, or halves of the bracket where
-  /// they leave it; by chords, without derivatives (Illinois); by halving, from release() alone.
+  /// they leave it; by chords, without derivatives (Illinois); by halving, from release() alone. Throw
+  /// std::invalid_argument where contact is not kept at low and lost at high.
   double by_newton(double low, double high);
   double by_chords(double low, double high);
   double by_halving(double low, double high);
