@@ -66,9 +66,8 @@ void add_undetermined(const Run& run, std::vector<std::string>& to) {
   to.push_back(
       words_of("contacts of a body share its load in a way that rigid bodies leave open, and friction depends on the "
                "share, in ",
-               run.undetermined_steps, run.undetermined_steps == 1 ? " step" : " steps",
-               ", first at t = ", run.first_undetermined_time,
-               " s: equal shares are taken where they are possible; the model has other motions, too"));
+               run.undetermined_steps, run.undetermined_steps == 1 ? " step" : " steps", ", first at t = ",
+               run.first_undetermined_time, " s: the most even shares are taken; the model has other motions, too"));
 }
 
 }  // namespace
