@@ -53,7 +53,7 @@ TEST_CASE("friction that depends on how four corners share a load is reported; t
     CAPTURE(integrator);
     const Run yawing = slide(sliding_box(4, 0.3), integrator);
     CHECK(yawing.undetermined_steps > 0);
-    CHECK(yawing.first_undetermined_time <= 0.02);
+    CHECK(yawing.first_undetermined_time <= 0.1);  // end of the inner step, or after it
     const Run straight = slide(sliding_box(0, 0.3), integrator);
     CHECK(straight.undetermined_steps == 0);
     CHECK(straight.first_undetermined_time == kInf);
