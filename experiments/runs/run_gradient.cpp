@@ -194,13 +194,15 @@ struct Named {
     for (const std::string& column : of) columns.push_back(column_of(scene, column));
     for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
   }
-  MoreauJeanOptions options(const char* others) const {
-    if (method != MoreauJean::kName)
-      throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) + "': must be moreau-jean" +
-                                  others);
-    MoreauJeanOptions options;
-    if (!given.empty()) set_options(options, given);
-    return options;
+  StepScheme scheme(const char* others) const {
+    StepScheme scheme;
+    if (method == Rattle::kName)
+      scheme = RattleOptions{};
+    else if (method != MoreauJean::kName)
+      throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) +
+                                  "': must be moreau-jean or rattle" + others);
+    std::visit([&](auto& options) { if (!given.empty()) set_options(options, given); }, scheme);
+    return scheme;
   }
   std::string method, given;
   Scene scene;
@@ -261,7 +263,7 @@ GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::
   if (named.method == EventDriven::kName) return gradient_of_motion(named, solver, clock);
   GradientOfRun gradient;
   gradient.tangent =
-      differentiate_run(named.system, named.parameters, named.options(" or event-driven"), solver, clock, named.columns,
+      differentiate_run(named.system, named.parameters, named.scheme(", or event-driven"), solver, clock, named.columns,
                         [&](double t, const Eigen::VectorXd& value, const Eigen::MatrixXd& by) {
                           gradient.t.push_back(t);
                           for (Index i = 0; i < value.size(); ++i) {
@@ -276,7 +278,7 @@ RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::stri
                           const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                           const Clock& clock, Index scalars, const RecordWeights& weights) {
   const Named named(source, of, wrt, integrator);
-  return differentiate_run_reverse(named.system, named.parameters, named.options(" in reverse mode"), solver, clock,
+  return differentiate_run_reverse(named.system, named.parameters, named.scheme(" in reverse mode"), solver, clock,
                                    named.columns, scalars, weights);
 }
 

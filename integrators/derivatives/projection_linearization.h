@@ -8,13 +8,9 @@
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
-#include <orthant/integrators/derivatives/parameter_change.h>
-#include <orthant/integrators/derivatives/row_slope.h>
+#include <orthant/integrators/derivatives/force_slopes.h>
 
 namespace orthant {
-
-/// A parameter's part in some equations: place and derivative.
-using SparsePart = std::vector<std::pair<Eigen::Index, double>>;
 
 class ProjectionLinearization {
  public:

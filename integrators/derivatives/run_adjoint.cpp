@@ -15,15 +15,19 @@ struct Anchor {
   std::string memory;  // of the integrator
 };
 
-std::string memory_of(MoreauJean& integrator) {
+template <class Integrator> std::string memory_of(Integrator& integrator) {
   CheckpointData memory;
   integrator.remember(memory);
   return memory.bytes();
 }
 
-class Adjoint {
+template <class Options> class Adjoint {
+  using Integrator = typename StepSchemeOf<Options>::Integrator;
+  using Linearization = typename StepSchemeOf<Options>::Linearization;
+  using Trace = typename Linearization::Trace;
+
  public:
-  Adjoint(const System& system, const std::vector<RunParameter>& parameters, const MoreauJeanOptions& options,
+  Adjoint(const System& system, const std::vector<RunParameter>& parameters, const Options& options,
           const Clock& clock, const std::vector<RunColumn>& columns, Index scalars, const RecordWeights& weights)
       : system_(system),
         options_(options),
@@ -32,6 +36,7 @@ class Adjoint {
         slopes_(system, columns),
         weights_(weights),
         linear_(system, options),
+        start_(system),
         W_(static_cast<Index>(columns.size()), scalars) {
     for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
     result_.warnings = one_sided_in_words(parameters, changes_);
@@ -41,14 +46,14 @@ class Adjoint {
   }
 
   RunAdjoint of(Solver& solver) {
-    MoreauJean integrator(system_, options_);
+    Integrator integrator(system_, options_);
     forward(integrator, solver);
     if (result_.run.status == Status::solved) backward(integrator, solver);
     return std::move(result_);
   }
 
  private:
-  void forward(MoreauJean& integrator, Solver& solver) {
+  void forward(Integrator& integrator, Solver& solver) {
     segment_ = static_cast<long>(std::ceil(std::sqrt(static_cast<double>(steps_.total))));
     Clock each = clock_;
     each.every = 1;
@@ -79,10 +84,10 @@ class Adjoint {
     weights_(record, record == steps_.records() - 1, W_);
   }
 
-  void backward(MoreauJean& integrator, Solver& solver) {
+  void backward(Integrator& integrator, Solver& solver) {
     const Index scalars = W_.cols();
     q_.setZero(system_.dof(), scalars), v_ = q_;
-    std::vector<StepTrace> traces(static_cast<std::size_t>(segment_));
+    std::vector<Trace> traces(static_cast<std::size_t>(segment_));
     for (long s = std::ssize(anchors_) - 1; s >= 0; --s) {
       const long first = s * segment_, end = std::min(first + segment_, steps_.total);
       State x = anchors_[static_cast<std::size_t>(s)].x;
@@ -99,10 +104,10 @@ class Adjoint {
     }
     const State& start = anchors_.front().x;
     seed(0, start);
-    linear_.set_up_start(system_.initial_state(), start);
-    for (std::size_t j = 0; j < changes_.size(); ++j) linear_.part_of(changes_[j], parts_[j]);
+    start_.set_up(system_.initial_state(), start);
+    for (std::size_t j = 0; j < changes_.size(); ++j) start_.part_of(changes_[j], parts_[j]);
     for (Index k = 0; k < scalars; ++k) {
-      pull(k, nullptr);
+      start_.pull(q_.col(k).data(), v_.col(k).data(), sum_into(k));
       for (std::size_t j = 0; j < changes_.size(); ++j)
         result_.gradient(k, static_cast<Index>(j)) +=
             changes_[j].start_q.dot(q_.col(k)) + changes_[j].start_v.dot(v_.col(k));
@@ -125,7 +130,7 @@ class Adjoint {
       }
   }
 
-  void step_back(long k, const StepTrace& trace) {
+  void step_back(long k, const Trace& trace) {
     seed(k + 1, trace.after);
     linear_.set_up(trace);
     for (std::size_t j = 0; j < changes_.size(); ++j) linear_.part_of(changes_[j], parts_[j]);
@@ -147,24 +152,26 @@ class Adjoint {
   }
 
   void pull(Index scalar, const ImpulseChange* impulses) {
-    linear_.pull(q_.col(scalar).data(), v_.col(scalar).data(), impulses,
-                 [&](const Eigen::VectorXd& by_step, const Eigen::VectorXd& by_projection) {
-                   for (std::size_t j = 0; j < parts_.size(); ++j)
-                     result_.gradient(scalar, static_cast<Index>(j)) +=
-                         StepLinearization::inner(parts_[j].step, by_step) +
-                         StepLinearization::inner(parts_[j].projection, by_projection);
-                 });
+    linear_.pull(q_.col(scalar).data(), v_.col(scalar).data(), impulses, sum_into(scalar));
+  }
+
+  auto sum_into(Index scalar) {
+    return [this, scalar](const Eigen::VectorXd& by_step, const Eigen::VectorXd& by_projection) {
+      for (std::size_t j = 0; j < parts_.size(); ++j)
+        result_.gradient(scalar, static_cast<Index>(j)) += inner(parts_[j], by_step, by_projection);
+    };
   }
 
   const System& system_;
-  MoreauJeanOptions options_;
+  Options options_;
   Clock clock_;
   RunSteps steps_;
   ColumnSlopes slopes_;
   const RecordWeights& weights_;
-  StepLinearization linear_;
+  Linearization linear_;
+  StartLinearization start_;
   std::vector<ParameterChange> changes_;
-  std::vector<StepLinearization::Part> parts_;
+  std::vector<StepPart> parts_;
   Eigen::MatrixXd W_;
   long weighed_ = -1, segment_ = 1;  // the record that W_ is of; steps between two checkpoints
   std::vector<Anchor> anchors_;
@@ -187,11 +194,15 @@ RecordWeights weigh_all() {
 }
 
 RunAdjoint differentiate_run_reverse(const System& system, const std::vector<RunParameter>& parameters,
-                                     const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
+                                     const StepScheme& scheme, Solver& solver, const Clock& clock,
                                      const std::vector<RunColumn>& columns, Index scalars,
                                      const RecordWeights& weights) {
   check(clock);
-  return Adjoint(system, parameters, options, clock, columns, scalars, weights).of(solver);
+  return std::visit(
+      [&](const auto& options) {
+        return Adjoint(system, parameters, options, clock, columns, scalars, weights).of(solver);
+      },
+      scheme);
 }
 
 }  // namespace orthant

@@ -1,7 +1,7 @@
-// integrators/derivatives/run_adjoint.h — reverse mode: gradients of scalars of a planar Moreau–Jean run.
+// integrators/derivatives/run_adjoint.h — reverse mode: gradients of scalars of a planar run of moreau-jean or rattle.
 //
 //   y_k = Σ_r Σ_c W_rck value_c(record r),  x̄ from the last step to the first by the adjoint of each step
-//   (step_linearization.h);  ∂y/∂p = Σ_steps ρ̄ · ∂ρ/∂p + x̄_0 · ∂x_0/∂p
+//   (run_tangent.h);  ∂y/∂p = Σ_steps ρ̄ · ∂ρ/∂p + x̄_0 · ∂x_0/∂p
 //   Checkpoints: state and memory of the integrator every ⌈√n⌉ of the n steps. From each the steps up to the next are
 //   done again, with the same bits, and kept until they are linearized: memory for 2 √n steps.
 //   Cost: two runs, the linearization of the steps, and three solves a step and scalar, for any number of parameters
@@ -33,7 +33,7 @@ RecordWeights weigh_all();
 /// Records as clock.every says. Throws as differentiate_run() does. A run that does not come to its end has no
 /// gradient: run.status says why.
 RunAdjoint differentiate_run_reverse(const System& system, const std::vector<RunParameter>& parameters,
-                                     const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
+                                     const StepScheme& scheme, Solver& solver, const Clock& clock,
                                      const std::vector<RunColumn>& columns, Index scalars,
                                      const RecordWeights& weights);
 

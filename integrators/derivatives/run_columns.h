@@ -1,13 +1,26 @@
 // integrators/derivatives/run_columns.h — columns of a run that have derivatives: state, gaps, impulses of contacts.
 #pragma once
 
-#include <orthant/integrators/derivatives/step_linearization.h>
+#include <orthant/integrators/derivatives/rattle_linearization.h>
 #include <orthant/integrators/simulate.h>
 
 #include <span>
+#include <variant>
 #include <vector>
 
 namespace orthant {
+
+/// Of the steps to differentiate: by moreau-jean, or by rattle.
+using StepScheme = std::variant<MoreauJeanOptions, RattleOptions>;
+template <class Options> struct StepSchemeOf;
+template <> struct StepSchemeOf<MoreauJeanOptions> {
+  using Integrator = MoreauJean;
+  using Linearization = StepLinearization;
+};
+template <> struct StepSchemeOf<RattleOptions> {
+  using Integrator = Rattle;
+  using Linearization = RattleLinearization;
+};
 
 struct RunColumn {
   enum class Kind { state, gap, normal, tangent };  // the last two: impulses since the record before [N s]

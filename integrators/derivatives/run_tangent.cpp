@@ -2,9 +2,13 @@
 
 namespace orthant {
 
-RunTangent differentiate_run(const System& system, const std::vector<RunParameter>& parameters,
-                             const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
-                             const std::vector<RunColumn>& columns, const TangentRecorder& record) {
+namespace {
+
+template <class Options>
+RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>& parameters, const Options& options,
+                          Solver& solver, const Clock& clock, const std::vector<RunColumn>& columns,
+                          const TangentRecorder& record) {
+  using Scheme = StepSchemeOf<Options>;
   check(clock);
   const auto count = static_cast<Index>(parameters.size());
   std::vector<ParameterChange> changes;
@@ -12,11 +16,12 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   RunTangent result;
   result.warnings = one_sided_in_words(parameters, changes);
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
-  MoreauJean integrator(system, options);
-  StepLinearization linear(system, options);
+  typename Scheme::Integrator integrator(system, options);
+  typename Scheme::Linearization linear(system, options);
+  StartLinearization start(system);
   ColumnSlopes slopes(system, columns);
-  StepLinearization::Part part;
-  StepTrace trace;
+  StepPart part;
+  typename Scheme::Linearization::Trace trace;
   ImpulseChange impulses;
   const auto size = static_cast<Index>(columns.size());
   Eigen::VectorXd value = Eigen::VectorXd::Zero(size);
@@ -46,11 +51,11 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   result.run = simulate(integrator, solver, each, [&](const RunSample& moment) {
     if (begun && (!has_answer(moment.report.status) || moment.state.t == before.t)) return;
     if (!begun) {
-      linear.set_up_start(system.initial_state(), moment.state);
+      start.set_up(system.initial_state(), moment.state);
       for (Index j = 0; j < count; ++j) {
         result.q.col(j) = changes[at(j)].start_q, result.v.col(j) = changes[at(j)].start_v;
-        linear.part_of(changes[at(j)], part);
-        linear.push(part, result.q.col(j).data(), result.v.col(j).data());
+        start.part_of(changes[at(j)], part);
+        start.push(part, result.q.col(j).data(), result.v.col(j).data());
       }
       begun = true;
     } else {
@@ -76,6 +81,18 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
     if (record && steps.recorded(step)) write(moment.state);
   });
   return result;
+}
+
+}  // namespace
+
+RunTangent differentiate_run(const System& system, const std::vector<RunParameter>& parameters,
+                             const StepScheme& scheme, Solver& solver, const Clock& clock,
+                             const std::vector<RunColumn>& columns, const TangentRecorder& record) {
+  return std::visit(
+      [&](const auto& options) {
+        return tangent_of_run(system, parameters, options, solver, clock, columns, record);
+      },
+      scheme);
 }
 
 }  // namespace orthant

@@ -1,7 +1,7 @@
-// integrators/derivatives/run_tangent.h — forward mode: tangents of a planar Moreau–Jean run by parameters and start.
+// integrators/derivatives/run_tangent.h — forward mode: tangents of a planar run of moreau-jean or rattle by parameters.
 //
-//   The tangent of each step (step_linearization.h) after the other, from the tangent of the start. The scene is a
-//   function of each parameter: masses, lengths, places, μ, e, clearances, spring and drive parameters alike; the
+//   The tangent of each step (step_linearization.h, rattle_linearization.h) after the other, from the tangent of the
+//   start. The scene is a function of each parameter: masses, lengths, places, μ, e, clearances, spring and drive parameters alike; the
 //   start moves with it, projected onto the joints. These are the derivatives of the discrete run while the sequence of
 //   closed contacts, stick and slip stays; not those of the motion that the run approximates.
 //   Cost: a run, the linearization of its steps, and for each parameter three solves a step. Many parameters and few
@@ -23,11 +23,11 @@ struct RunTangent {
 /// A record: values of the columns, and their derivatives (columns × parameters).
 using TangentRecorder = std::function<void(double t, const Eigen::VectorXd& value, const Eigen::MatrixXd& by)>;
 
-/// Records as clock.every says. Throws std::invalid_argument for what has no derivative here
+/// Records as clock.every says. scheme: {} is moreau-jean. Throws std::invalid_argument for what has no derivative here
 /// (step_linearization.h), and for a parameter at the end of its range, where no scene lies on one side;
 /// std::runtime_error for a step that is not a plain one, and where derivatives overflow.
 RunTangent differentiate_run(const System& system, const std::vector<RunParameter>& parameters,
-                             const MoreauJeanOptions& options, Solver& solver, const Clock& clock,
+                             const StepScheme& scheme, Solver& solver, const Clock& clock,
                              const std::vector<RunColumn>& columns = {}, const TangentRecorder& record = {});
 
 }  // namespace orthant

@@ -44,7 +44,6 @@ StepLinearization::StepLinearization(const System& system, const MoreauJeanOptio
       terms_(system),
       basic_(system),
       projection_(system),
-      opening_(system),
       slopes_(static_cast<std::size_t>(system.joint_rows())),
       none_(Eigen::VectorXd::Zero(system.joint_rows())),
       unused_joints_(system.joint_rows()) {
@@ -57,22 +56,11 @@ StepLinearization::StepLinearization(const System& system, const MoreauJeanOptio
       throw std::invalid_argument("derivatives of a step: the friction '" + f.name + "' depends on its joint's load");
   if (!system.scene().collisions.empty())
     throw std::invalid_argument("derivatives of a step: collisions that are searched have none here");
-  for (auto* x : {&v_new_, &change_, &fixed_, &by_z_, &q_a_, &force_, &unused_}) x->setZero(system.dof());
+  for (auto* x : {&v_new_, &change_, &fixed_, &by_z_, &q_a_, &force_}) x->setZero(system.dof());
 }
 
 Eigen::Index StepLinearization::size() const {
   return system_.dof() + system_.joint_rows() + 2 * step_->rows + std::ssize(step_->mu_of);
-}
-
-void StepLinearization::set_up_start(const State& given, const State& closed) {
-  step_ = nullptr;
-  State between = closed;
-  between.v = given.v;
-  const double missed = std::max(opening_.set_up(closed.t, given.q, given.v, between),
-                                 projection_.set_up(closed.t, closed.q, given.v, closed));
-  if (!(missed <= kSameStep))
-    throw std::invalid_argument("derivatives of a run: the start breaks the joints, by " + detail::text_of(missed) +
-                                " more than one projection closes: must keep them");
 }
 
 void StepLinearization::set_up(const StepTrace& step) {
@@ -126,7 +114,7 @@ void StepLinearization::set_up(const StepTrace& step) {
     degenerate_.erase(std::unique(degenerate_.begin(), degenerate_.end()), degenerate_.end());
   }
   linearize_rows();
-  linearize_springs_and_loads();
+  append_force_slopes(system_, terms_, {h, h * h * a * options_.theta, h * a}, x.v, change_, 0, by_pose_, by_velocity_);
 
   q_a_ = x.q + h * (options_.theta * v_new_ + (1 - options_.theta) * x.v);  // q*
   const double missed = projection_.set_up(x.t + h, q_a_, v_new_, step.after);
@@ -178,45 +166,7 @@ void StepLinearization::linearize_rows() {
   }
 }
 
-void StepLinearization::linearize_springs_and_loads() {
-  const StepTrace& step = *step_;
-  const double a = options_.theta, h = step.h;
-  const auto& scene = system_.scene();
-  RowSlope slope;
-  for (std::size_t i = 0; i < scene.springs.size(); ++i) {
-    const Row& row = terms_.springs[i].row;
-    const auto [k, c] = std::visit([](const auto& s) { return std::pair{s.stiffness, s.damping}; }, scene.springs[i]);
-    const double weight = h * h * a * options_.theta * k + h * a * c;
-    slope_of(scene.springs[i], terms_.at, slope);
-    const double s = h * terms_.springs[i].tension + weight * apply(row, change_.data());  // r₁ has s rowᵀ
-    // r₁˙ = ṡ rowᵀ + s rowᵀ˙,  ṡ = h k row q̇ + row˙ (h c v + weight (v' − v)) + (h c − weight) row v̇
-    for (const Slope& d : slope) {
-      by_pose_.push_back({d.of, d.by, s * d.value});
-      const double of_s = d.value * (h * c * step.before.v[d.of] + weight * change_[d.of]);
-      each_entry(row, [&](Index place, double j) { by_pose_.push_back({place, d.by, j * of_s}); });
-    }
-    each_entry(row, [&](Index place, double j) {
-      each_entry(row, [&](Index other, double l) {
-        by_pose_.push_back({place, other, j * h * k * l});
-        by_velocity_.push_back({place, other, j * (h * c - weight) * l});
-      });
-    });
-  }
-  for (const Load& load : scene.loads) {
-    const double scale = load.factor ? load.factor(terms_.at.t) : 1.0;
-    const double slope_of_torque = scale * cross(perp(terms_.at.at(load.body).turn(load.point)), load.force);
-    const Index turn = kBlock * load.body + 2;
-    if (slope_of_torque != 0) by_pose_.push_back({turn, turn, -h * slope_of_torque});
-  }
-}
-
-void StepLinearization::push(const Part& parameter, double* q, double* v, ImpulseChange* impulses) {
-  if (step_ == nullptr) {
-    unused_.setZero();  // the velocities are those of the second projection
-    opening_.push(parameter.step, q, unused_.data());
-    projection_.push(parameter.projection, q, v);
-    return;
-  }
+void StepLinearization::push(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses) {
   const StepTrace& step = *step_;
   const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
   const double h = step.h;
@@ -261,12 +211,6 @@ void StepLinearization::push(const Part& parameter, double* q, double* v, Impuls
 
 void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses) {
   projection_.pull(q, v, by_projection_);
-  by_step_.resize(0);
-  if (step_ == nullptr) {
-    unused_.setZero();
-    opening_.pull(q, unused_.data(), by_step_);
-    return;
-  }
   const StepTrace& step = *step_;
   const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
   const double h = step.h;

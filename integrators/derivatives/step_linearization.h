@@ -4,7 +4,6 @@
 //     r₁ = M̂ (v' − v) − h f − Gᵀ Λ_G − Jᵀ z = 0,   r₂ = G (v/a + v' − v) − ṡ/a = 0                               (1)
 //     w = r₃ = J v' − target (e, e_T, belt),  z of the complementarity problem                                     (2)
 //     (q* = q + h (θ v' + (1−θ) v), v') → (q⁺, v⁺): the projection (3) of projection_linearization.h
-//   The start: q by (3) first, then v by (3) from q⁺ on, as simulate() closes the joints.
 //   Tangent of (q̇, v̇, ṗ): ρ = (r₁, r₂, r₃)˙ at fixed v', Λ_G, z;
 //     (x, ·) = K⁻¹ (−ρ₁, −ρ₂),  ẇ₀ = J x + ρ₃,  ż by sensitivity (solvers/derivatives/sensitivity.h),  v̇' = x + B Jᵀ ż
 //   with K⁻¹ and B of basic_system.h. Adjoint of v̄' and z̄, in the reverse order:
@@ -19,7 +18,7 @@
 #pragma once
 
 #include <orthant/core/lcp/judge/certify.h>
-#include <orthant/integrators/derivatives/projection_linearization.h>
+#include <orthant/integrators/derivatives/start_linearization.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
 #include <orthant/solvers/derivatives/sensitivity.h>
 
@@ -56,32 +55,20 @@ void refuse_overflow(bool finite, double t);
 
 class StepLinearization {
  public:
+  using Trace = StepTrace;
   /// Throws std::invalid_argument for what has no derivative here.
   explicit StepLinearization(const System& system, const MoreauJeanOptions& options = {});
 
   void set_up(const StepTrace& step);
-  /// The start: projected onto the joints from the state `given` to `closed`.
-  void set_up_start(const State& given, const State& closed);
-
-  /// A parameter's part in the equations of the step (of the start: of the coordinates' projection), and in those of
-  /// the projection.
-  struct Part {
-    SparsePart step, projection;
-  };
-  void part_of(const ParameterChange& parameter, Part& part);
+  void part_of(const ParameterChange& parameter, StepPart& part);
 
   /// (q̇, v̇) at the step's begin become those at its end. `impulses`: of the contacts; null: not wanted.
-  void push(const Part& parameter, double* q, double* v, ImpulseChange* impulses = nullptr);
+  void push(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses = nullptr);
   /// (q̄, v̄) at the end become those at the begin. `impulses`: the scalar's derivative by the contacts' impulses.
   /// Calls parameter(adjoint of the step's equations, adjoint of the projection's) for inner products with parts.
   template <class F> void pull(double* q, double* v, const ImpulseChange* impulses, F&& parameter) {
     pull(q, v, impulses);
     parameter(by_step_, by_projection_);
-  }
-  static double inner(const SparsePart& part, const Eigen::VectorXd& by) {
-    double sum = 0;
-    for (const auto& [place, value] : part) sum += value * by[place];
-    return sum;
   }
 
   /// Of the last step: contacts with weakly active rows, and whether redundant contacts parted.
@@ -91,7 +78,6 @@ class StepLinearization {
  private:
   void pull(double* q, double* v, const ImpulseChange* impulses);
   void linearize_rows();
-  void linearize_springs_and_loads();
   /// A row with the impulse `force` in r₁, and the rate J u + by_rate J v in r at `out`.
   void add_row(const Row& row, const RowSlope& slope, double force, const Eigen::VectorXd& u, double by_rate,
                Index out);
@@ -101,11 +87,10 @@ class StepLinearization {
 
   const System& system_;
   MoreauJeanOptions options_;
-  const StepTrace* step_ = nullptr;  // null: the start
+  const StepTrace* step_ = nullptr;
   Terms terms_;                      // at q_a
   BasicSystem basic_;
   ProjectionLinearization projection_;
-  ProjectionLinearization opening_;           // opening_: of the start's coordinates
   std::vector<Row> rows_;                     // of the problem
   std::vector<StepTrace::Place> places_;      // with what strikes
   Eigen::VectorXd v_new_, change_, joint_;    // v', v' − v, Λ_G
@@ -116,7 +101,7 @@ class StepLinearization {
   bool consistent_ = true;
   Judge judge_;
   Solution solution_;
-  Eigen::VectorXd rho_, fixed_, by_z_, q_a_, force_, none_, unused_, unused_joints_, by_step_, by_projection_;
+  Eigen::VectorXd rho_, fixed_, by_z_, q_a_, force_, none_, unused_joints_, by_step_, by_projection_;
   Perturbation data_;
 };
 

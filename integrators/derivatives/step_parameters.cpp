@@ -5,18 +5,16 @@
 
 namespace orthant {
 
-void StepLinearization::part_of(const ParameterChange& parameter, Part& part) {
+void StepLinearization::part_of(const ParameterChange& parameter, StepPart& part) {
   part.step.clear(), part.projection.clear();
   if (!parameter.of_scene()) return;
   projection_.part_of(parameter, part.projection);
-  if (step_ == nullptr) return opening_.part_of(parameter, part.step);
-  const double h = step_->h;
+  const double h = step_->h, a = options_.theta;
   if (parameter.mass.size() > 0)
     for (Index i = 0; i < system_.dof(); ++i)
       if (parameter.mass[i] != 0) part.step.emplace_back(i, parameter.mass[i] * change_[i]);
-  if (parameter.weight.size() > 0)
-    for (Index i = 0; i < system_.dof(); ++i)
-      if (parameter.weight[i] != 0) part.step.emplace_back(i, -h * parameter.weight[i]);
+  append_force_parts(parameter, system_, terms_, {h, h * h * a * options_.theta, h * a}, step_->before.v, change_, 0,
+                     part.step);
   contact_parts(parameter, part.step);
   element_parts(parameter, part.step);
 }
@@ -67,11 +65,11 @@ void StepLinearization::contact_parts(const ParameterChange& parameter, SparsePa
       part.emplace_back(rates + step.rows + step.first_friction + friction, step.h * by);
 }
 
-// Joints, springs, dry friction and loads that have changed.
+// Joints and dry friction that have changed.
 void StepLinearization::element_parts(const ParameterChange& parameter, SparsePart& part) const {
   const StepTrace& step = *step_;
   const Index dof = system_.dof();
-  const double a = options_.theta, h = step.h;
+  const double a = options_.theta;
   const auto push = [&](const Row& row, const double* six, double by) {
     for (int i = 0; i < 6; ++i)
       if (const BodyId body = i < 3 ? row.a : row.b; body >= 0) part.emplace_back(kBlock * body + i % 3, by * six[i]);
@@ -100,21 +98,6 @@ void StepLinearization::element_parts(const ParameterChange& parameter, SparsePa
       part.emplace_back(dof + first + i, d[6]);
     }
   }
-  for (const int spring : parameter.springs) {
-    const auto i = static_cast<std::size_t>(spring);
-    const auto d = parameter.derivative<6>([&](const System& s, std::array<double, 6>& x) {
-      std::visit(
-          [&](const auto& other) {
-            const SpringState there = other.evaluate(terms_.at, step.before.v.data());
-            const double weight = h * h * a * options_.theta * other.stiffness + h * a * other.damping;
-            const auto entries = entries_of(there.row);
-            const double force = h * there.tension + weight * apply(there.row, change_.data());
-            for (std::size_t k = 0; k < 6; ++k) x[k] = force * entries[k];
-          },
-          s.scene().springs[i]);
-    });
-    push(terms_.springs[i].row, d.data(), 1);
-  }
   for (const int friction : parameter.frictions) {
     if (step.first_friction == step.rows) break;
     const auto i = static_cast<std::size_t>(friction);
@@ -127,18 +110,6 @@ void StepLinearization::element_parts(const ParameterChange& parameter, SparsePa
     });
     push(rows_[at(row)], d.data(), -step.z[row]);
     part.emplace_back(dof + system_.joint_rows() + row, d[6]);
-  }
-  for (const int load : parameter.loads) {
-    const auto i = static_cast<std::size_t>(load);
-    const BodyId body = system_.scene().loads[i].body;
-    std::vector<double> f(static_cast<std::size_t>(dof));
-    const auto d = parameter.derivative<3>([&](const System& s, std::array<double, 3>& x) {
-      double* const there = f.data() + kBlock * body;
-      there[0] = there[1] = there[2] = 0;
-      s.scene().loads[i].add(terms_.at, terms_.at.t, f.data());
-      x = {there[0], there[1], there[2]};
-    });
-    for (int k = 0; k < 3; ++k) part.emplace_back(kBlock * body + k, -h * d[static_cast<std::size_t>(k)]);
   }
 }
 

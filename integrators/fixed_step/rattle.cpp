@@ -134,7 +134,6 @@ template <class Space> void RattleOf<Space>::note_carried() {
   }
 }
 
-/// Whether contact k strikes the ground, faster than the forces of the step make it, with restitution.
 template <class Space> bool RattleOf<Space>::rebounds([[maybe_unused]] std::size_t k, [[maybe_unused]] double h,
                                                       [[maybe_unused]] const State& x) const {
   if constexpr (kPlanar<Space>) {

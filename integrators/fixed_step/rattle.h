@@ -48,6 +48,9 @@ template <class Space> class RattleOf final : public TwoLevelOf<Space> {
     memory(last_, added_, stiffened_);
     factorized_there_ = false;
   }
+  /// Whether contact k of closed() struck the ground in the last step, faster than the forces of the step make it, with
+  /// restitution. h, x: of that step and its start.
+  bool rebounds(std::size_t k, double h, const State& x) const;
 
  private:
   using TwoLevelOf<Space>::system_;
@@ -71,7 +74,6 @@ template <class Space> class RattleOf final : public TwoLevelOf<Space> {
   using TwoLevelOf<Space>::lambda_;
 
   bool half_kick(double h, const State& x, StepReport& report);  // path_ predicted, without contacts
-  bool rebounds(std::size_t k, double h, const State& x) const;
   bool other_half(double h, const State& x, StepReport& report);  // v_ without P
   void predict(double h, const State& x);                         // path_ = h u, of force_
   /// Space: predict(), repeated until turning_ is that of u.

@@ -40,6 +40,13 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   void remember(CheckpointData& memory) override;
   const Lcp& problem() const final { return shown_->problem(); }
   std::span<const Pair> pairs() const final { return end_.pairs; }
+  /// Of the last step, for its derivative: the contacts that carried or touched at its end, with their rows there and
+  /// at its start, and the targets of their rates; both stages' problems.
+  const std::vector<ClosedContact>& closed() const { return end_.closed; }
+  const std::vector<ClosedContact>& closed_at_start() const { return start_.closed; }
+  const std::vector<RateTargetOf<Space>>& targets() const { return targets_; }
+  const Formulation& positions() const { return positions_; }
+  const Formulation& velocities() const { return velocities_; }
 
  protected:
   using IntegratorOf<Space>::system_;

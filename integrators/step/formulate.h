@@ -99,6 +99,8 @@ template <class Space> class FormulationOf {
   /// The whole problem, with its matrix.
   const Lcp& problem() const { return problem_.whole(); }
   const Solution& solution() const { return solution_; }
+  /// Its rows, without the matrix.
+  const StepProblemOf<Space>& step_problem() const { return problem_; }
   void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
   void clear() { problem_.clear(); }                              // no problem, until the next is built
 

@@ -91,6 +91,7 @@ template <class Space> class StepProblemOf {
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const Vector& b() const { return lcp_.b; }
+  const std::vector<Friction>& friction() const { return lcp_.friction; }
   bool dense() const { return matrix_.dense(); }
   double entry(Index i, Index j) const { return matrix_.entry(rows_, i, j); }  // A_ij
   int no_normal() const { return no_normal_; }  // a closed contact without a normal; −1: none

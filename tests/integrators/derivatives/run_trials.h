@@ -8,6 +8,9 @@
 #include <orthant/integrators/derivatives/run_tangent.h>
 #include <orthant/solvers/registry.h>
 
+#include <doctest/doctest.h>
+
+#include <cmath>
 #include <cstdio>
 
 #include "tests/support/scene_texts.h"
@@ -18,6 +21,111 @@ using MakeScene = std::function<Scene(const std::vector<std::string>&)>;
 
 inline MakeScene from_text(const std::string& text) {
   return [text](const std::vector<std::string>& sets) { return parse_scene(text, sets, "scene"); };
+}
+
+inline std::string override_text(const std::string& key, double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return key + "=" + text;
+}
+
+struct TangentTrial {
+  std::string key;
+  double value;
+  double step = 1e-6;  // of the value, or by itself: small enough for the pattern, large enough for rounding
+};
+
+inline Run run_by(const System& system, const StepScheme& scheme, Solver& solver, const Clock& clock) {
+  return std::visit(
+      [&]<class Options>(const Options& options) {
+        typename StepSchemeOf<Options>::Integrator integrator(system, options);
+        return simulate(integrator, solver, clock);
+      },
+      scheme);
+}
+
+/// The tangents of all keys, and central differences of runs.
+inline RunTangent check_tangents(const MakeScene& make, const std::vector<TangentTrial>& trials, const Clock& clock,
+                          double tolerance, const StepScheme& scheme = {}) {
+  std::vector<RunParameter> parameters;
+  for (const TangentTrial& trial : trials)
+    parameters.push_back({trial.key, trial.value, [&](double x) { return make({override_text(trial.key, x)}); }});
+  const System system(make({}));
+  const auto solver = make_solver("auto");
+  RunTangent tangent = differentiate_run(system, parameters, scheme, *solver, clock);
+  REQUIRE(tangent.run.status == Status::solved);
+  for (std::size_t j = 0; j < trials.size(); ++j) {
+    INFO(trials[j].key);
+    const double step = trials[j].step * (trials[j].value != 0 ? std::abs(trials[j].value) : 1);
+    State end[2];
+    for (int k = 0; k < 2; ++k) {
+      const System other(make({override_text(trials[j].key, trials[j].value + (k == 0 ? -step : step))}));
+      const Run run = run_by(other, scheme, *solver, clock);
+      REQUIRE(run.status == Status::solved);
+      end[k] = run.final;
+    }
+    const Eigen::VectorXd q = (end[1].q - end[0].q) / (2 * step), v = (end[1].v - end[0].v) / (2 * step);
+    const auto column = static_cast<Index>(j);
+    CHECK((q - tangent.q.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * q.lpNorm<Eigen::Infinity>());
+    CHECK((v - tangent.v.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * v.lpNorm<Eigen::Infinity>());
+    CHECK(v.lpNorm<Eigen::Infinity>() > 0);
+  }
+  return tangent;
+}
+
+inline Scene with_value(const std::string& text, const std::string& key, double value) {
+  char set[100];
+  std::snprintf(set, sizeof set, "%s=%.17g", key.c_str(), value);
+  return parse_scene(text, std::vector<std::string>{set}, "scene");
+}
+
+inline std::vector<RunParameter> parameters_by_keys(const std::string& text,
+                                             const std::vector<std::pair<std::string, double>>& keys) {
+  std::vector<RunParameter> parameters;
+  for (const auto& [key, value] : keys)
+    parameters.push_back({key, value, [text, key = key](double x) { return with_value(text, key, x); }, -1});
+  return parameters;
+}
+
+/// Scalars with weights that differ from record to record, by both modes.
+inline RunAdjoint check_reverse(const std::string& text, const std::vector<RunParameter>& parameters, const Clock& clock,
+                         const std::vector<RunColumn>& columns, double tolerance, const StepScheme& scheme = {}) {
+  const System system(parse_scene(text, {}, "scene"));
+  const auto solver = make_solver("auto");
+  const auto weights = [](long record, bool last, Eigen::MatrixXd& W) {
+    for (Index c = 0; c < W.rows(); ++c) {
+      W(c, 0) = std::cos(static_cast<double>(1 + record * (c + 1)));
+      W(c, 1) = last ? 1 : 0;
+    }
+  };
+  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(2, static_cast<Index>(parameters.size()));
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(2);
+  long record = 0;
+  const RunSteps steps(clock);
+  const RunTangent forward = differentiate_run(system, parameters, scheme, *solver, clock, columns,
+                                               [&](double, const Eigen::VectorXd& x, const Eigen::MatrixXd& by) {
+                                                 Eigen::MatrixXd W(by.rows(), 2);
+                                                 weights(record, record == steps.records() - 1, W);
+                                                 value += W.transpose() * x, gradient += W.transpose() * by;
+                                                 ++record;
+                                               });
+  REQUIRE(forward.run.status == Status::solved);
+  CHECK(record == steps.records());
+  const RunAdjoint reverse = differentiate_run_reverse(system, parameters, scheme, *solver, clock, columns, 2, weights);
+  REQUIRE(reverse.run.status == Status::solved);
+  CHECK((reverse.value - value).lpNorm<Eigen::Infinity>() <= 1e-12 * value.lpNorm<Eigen::Infinity>());
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    INFO(parameters[j].name);
+    const auto column = static_cast<Index>(j);
+    CHECK((reverse.gradient.col(column) - gradient.col(column)).lpNorm<Eigen::Infinity>() <=
+          tolerance * gradient.col(column).lpNorm<Eigen::Infinity>());
+    CHECK(gradient.col(column).lpNorm<Eigen::Infinity>() > 0);
+  }
+  CHECK(reverse.degenerate.size() == forward.degenerate.size());
+  const double root = std::sqrt(static_cast<double>(steps.total));
+  CHECK(reverse.checkpoints <= root + 1);
+  CHECK(reverse.checkpoints >= root / 2);
+  return reverse;
 }
 
 /// An arm on a pin with dry friction, on a spring to a ball that strikes a moving belt.
@@ -62,6 +170,67 @@ mu = 0.1
 e_n = 0.6
 e_t = 0.2
 belt = 1.5
+)";
+
+inline std::string slider_crank_text() { return scene_texts::contents(scene_texts::kCore / "scenes/slider_crank.toml"); }
+
+inline std::vector<RunParameter> slider_crank_parameters() {
+  auto parameters = parameters_by_keys(slider_crank_text(), {{"body.rod.mass", 0.038},
+                                                             {"body.crank.inertia", 7.4e-5},
+                                                             {"contact.corner1.mu", 0.01},
+                                                             {"contact.corner4.e_n", 0.4},
+                                                             {"body.crank.omega", 150}});
+  parameters.push_back({"start", 0, {}, 11});
+  // places, by hand: entries of arrays
+  parameters.push_back({"corner1.point.y", 0.025,
+                        [](double y) {
+                          Scene s = parse_scene(slider_crank_text(), {}, "scene");
+                          std::get<CornerWall>(s.contacts[0]).point.y() = y;
+                          return s;
+                        },
+                        -1});
+  parameters.push_back({"crank_pin.point_b.x", -0.0765,
+                        [](double x) {
+                          Scene s = parse_scene(slider_crank_text(), {}, "scene");
+                          std::get<Revolute>(s.joints[0]).point_b.x() = x;
+                          return s;
+                        },
+                        -1});
+  return parameters;
+}
+
+/// kArmAndBall with a driven flap, a spring between it and the arm, and a load.
+inline const std::string kArmBallAndFlap = kArmAndBall + R"([[body]]
+name = "flap"
+mass = 0.4
+inertia = 0.02
+position = [0, 1]
+[[joint]]
+name = "shaft"
+type = "revolute"
+bodies = ["ground", "flap"]
+point_a = [0, 1]
+[[joint]]
+name = "motor"
+type = "drive"
+joint = "shaft"
+offset = 0
+rate = 0
+amplitude = 0.1
+omega = 20
+[[spring]]
+name = "link"
+type = "point"
+bodies = ["flap", "arm"]
+point_a = [0.3, 0]
+stiffness = 10
+rest = 0.3
+[[load]]
+name = "pull"
+body = "arm"
+point = [0.2, 0]
+force = [0.5, 1]
+torque = 0.1
 )";
 
 }  // namespace orthant

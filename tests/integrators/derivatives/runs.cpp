@@ -16,52 +16,6 @@
 
 using namespace orthant;
 
-namespace {
-
-std::string override_text(const std::string& key, double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return key + "=" + text;
-}
-
-struct TangentTrial {
-  std::string key;
-  double value;
-  double step = 1e-6;  // of the value, or by itself: small enough for the pattern, large enough for rounding
-};
-
-// The tangents of all keys, and central differences of runs.
-RunTangent check_tangents(const MakeScene& make, const std::vector<TangentTrial>& trials, const Clock& clock,
-                          double tolerance, const MoreauJeanOptions& options = {}) {
-  std::vector<RunParameter> parameters;
-  for (const TangentTrial& trial : trials)
-    parameters.push_back({trial.key, trial.value, [&](double x) { return make({override_text(trial.key, x)}); }});
-  const System system(make({}));
-  const auto solver = make_solver("auto");
-  RunTangent tangent = differentiate_run(system, parameters, options, *solver, clock);
-  REQUIRE(tangent.run.status == Status::solved);
-  for (std::size_t j = 0; j < trials.size(); ++j) {
-    INFO(trials[j].key);
-    const double step = trials[j].step * (trials[j].value != 0 ? std::abs(trials[j].value) : 1);
-    State end[2];
-    for (int k = 0; k < 2; ++k) {
-      const System other(make({override_text(trials[j].key, trials[j].value + (k == 0 ? -step : step))}));
-      MoreauJean integrator(other, options);
-      const Run run = simulate(integrator, *solver, clock);
-      REQUIRE(run.status == Status::solved);
-      end[k] = run.final;
-    }
-    const Eigen::VectorXd q = (end[1].q - end[0].q) / (2 * step), v = (end[1].v - end[0].v) / (2 * step);
-    const auto column = static_cast<Index>(j);
-    CHECK((q - tangent.q.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * q.lpNorm<Eigen::Infinity>());
-    CHECK((v - tangent.v.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * v.lpNorm<Eigen::Infinity>());
-    CHECK(v.lpNorm<Eigen::Infinity>() > 0);
-  }
-  return tangent;
-}
-
-}  // namespace
-
 TEST_CASE("tangent of a run: the slider-crank with clearance, by friction and restitution, through its impacts") {
   const MakeScene make = [](const std::vector<std::string>& sets) { return make_scene("slider_crank", sets); };
   const RunTangent t =

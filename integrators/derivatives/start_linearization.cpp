@@ -1,0 +1,33 @@
+#include <orthant/core/support/options.h>
+#include <orthant/integrators/derivatives/start_linearization.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace orthant {
+
+void StartLinearization::set_up(const State& given, const State& closed) {
+  constexpr double kSame = 1e-8;  // of the state: what one projection leaves
+  State between = closed;
+  between.v = given.v;
+  const double missed = std::max(places_.set_up(closed.t, given.q, given.v, between),
+                                 rates_.set_up(closed.t, closed.q, given.v, closed));
+  if (!(missed <= kSame))
+    throw std::invalid_argument("derivatives of a run: the start breaks the joints, by " + detail::text_of(missed) +
+                                " more than one projection closes: must keep them");
+}
+
+void StartLinearization::part_of(const ParameterChange& parameter, StepPart& part) {
+  part.step.clear(), part.projection.clear();
+  if (!parameter.of_scene()) return;
+  rates_.part_of(parameter, part.projection);
+  places_.part_of(parameter, part.step);
+}
+
+void StartLinearization::push(const StepPart& parameter, double* q, double* v) {
+  unused_.setZero();  // the velocities are those of the second projection
+  places_.push(parameter.step, q, unused_.data());
+  rates_.push(parameter.projection, q, v);
+}
+
+}  // namespace orthant

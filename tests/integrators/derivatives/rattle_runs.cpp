@@ -1,0 +1,72 @@
+// Derivatives of runs of rattle against central differences of runs, through impacts, stick and slip; reverse mode
+// against forward mode.
+#include "tests/integrators/derivatives/run_trials.h"
+
+using namespace orthant;
+
+namespace {
+
+using Kind = RunColumn::Kind;
+const StepScheme kByRattle = RattleOptions{};
+
+}  // namespace
+
+TEST_CASE("tangent of a run of rattle: the slider-crank with clearance, by mu, e, speed and clearance, through impacts") {
+  const MakeScene make = [](const std::vector<std::string>& sets) { return make_scene("slider_crank", sets); };
+  const RunTangent t = check_tangents(make, {{"mu", 0.01, 1e-5}, {"e", 0.4, 1e-5}, {"clearance", 0.001, 1e-5}},
+                                      {.step = 1e-4, .duration = 0.03}, 1e-6, kByRattle);
+  CHECK(t.degenerate.empty());
+  CHECK(t.inconsistent == 0);
+}
+
+TEST_CASE("tangent of a run of rattle: masses, inertias, lengths of the slider-crank, by its scene file") {
+  check_tangents(from_text(slider_crank_text()),
+                 {{"body.rod.mass", 0.038},
+                  {"body.crank.inertia", 7.4e-5},
+                  {"body.crank.omega", 150},
+                  {"contact.corner1.mu", 0.01, 1e-5}},
+                 {.step = 1e-4, .duration = 0.02}, 1e-6, kByRattle);
+}
+
+TEST_CASE("tangent of a run of rattle: springs, dampers, dry friction in a joint, tangential restitution, a moving belt") {
+  const std::string& text = kArmAndBall;
+  check_tangents(from_text(text),
+                 {{"spring.coil.stiffness", 30},
+                  {"spring.coil.damping", 0.6},
+                  {"spring.coil.rest", 0.5},
+                  {"friction.bearing.bound", 0.4},
+                  {"contact.floor.e_n", 0.6},
+                  {"contact.floor.mu", 0.1},
+                  {"contact.floor.radius", 0.2},
+                  {"body.arm.mass", 1.3}},
+                 {.step = 1e-3, .duration = 0.8}, 1e-6, kByRattle);
+  const MakeScene rough = [text](std::vector<std::string> sets) {
+    sets.emplace_back("contact.floor.mu=2");
+    return parse_scene(text, sets, "scene");
+  };
+  check_tangents(rough, {{"contact.floor.belt", 1.5}, {"contact.floor.e_t", 0.2}, {"contact.floor.e_n", 0.6}},
+                 {.step = 1e-3, .duration = 0.8}, 1e-6, kByRattle);
+}
+
+TEST_CASE("adjoint of a run of rattle: the slider-crank through its impacts, states, gaps and impulses of many records") {
+  check_reverse(slider_crank_text(), slider_crank_parameters(), {.step = 1e-4, .duration = 0.0301, .every = 7},
+                {{Kind::state, 2}, {Kind::state, 14}, {Kind::gap, 2}, {Kind::normal, 0}, {Kind::tangent, 3}}, 1e-7,
+                kByRattle);
+}
+
+TEST_CASE("adjoint of a run of rattle: springs, dampers, a drive, dry friction, loads, a belt, tangential restitution") {
+  const std::string& text = kArmBallAndFlap;
+  check_reverse(text,
+                parameters_by_keys(text, {{"spring.coil.stiffness", 30},
+                                          {"spring.coil.damping", 0.6},
+                                          {"spring.coil.rest", 0.5},
+                                          {"joint.motor.amplitude", 0.1},
+                                          {"friction.bearing.bound", 0.4},
+                                          {"load.pull.torque", 0.1},
+                                          {"contact.floor.e_n", 0.6},
+                                          {"contact.floor.radius", 0.2},
+                                          {"contact.floor.mu", 0.1},
+                                          {"body.arm.mass", 1.3}}),
+                {.step = 1e-3, .duration = 0.8}, {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}}, 1e-7,
+                kByRattle);
+}
