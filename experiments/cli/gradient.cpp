@@ -112,7 +112,7 @@ void add_gradient(CLI::App& app, int& exit_code) {
       ->delimiter(',');
   command
       ->add_option("--integrator", arguments->integrator,
-                   "moreau-jean or event-driven (the motion itself) [:option=value,...]")
+                   "moreau-jean, rattle, or event-driven (the motion itself) [:option=value,...]")
       ->capture_default_str();
   add_run_options(*command, *arguments);
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]");

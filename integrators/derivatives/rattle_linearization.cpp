@@ -163,14 +163,12 @@ double RattleLinearization::speed_at_surface(std::size_t k, double& square) cons
   return std::sqrt(std::max(0.0, square));
 }
 
-void RattleLinearization::solve_stage(Stage& stage, double scale, double bound) {
+void RattleLinearization::solve_stage(Stage& stage, double bound) {
   if (stage.rows == 0) return;
   Eigen::MatrixXd A(stage.rows, stage.rows);
   for (Index j = 0; j < stage.rows; ++j)
-    for (Index i = 0; i < stage.rows; ++i) A(i, j) = scale * apply(stage.hold[at(i)], stage.unit.col(j).data());
+    for (Index i = 0; i < stage.rows; ++i) A(i, j) = apply(stage.hold[at(i)], stage.unit.col(j).data());
   Lcp& problem = stage.problem;
-  problem.b = stage.w - A * stage.z;
-  problem.A = DenseMatrix(A);
   problem.lo = Eigen::VectorXd::Constant(stage.rows, -kInf), problem.hi = Eigen::VectorXd::Constant(stage.rows, kInf);
   for (const Index normal : stage.normal)
     if (normal >= 0) problem.lo[normal] = 0;
@@ -178,6 +176,13 @@ void RattleLinearization::solve_stage(Stage& stage, double scale, double bound) 
     const double most = bound * system_.scene().frictions[at(i - stage.first_friction)].bound;
     problem.lo[i] = -most, problem.hi[i] = most;
   }
+  const auto hold_inside = [&](Index row, double most) {  // rates there are rounding
+    if (std::abs(stage.z[row]) < (1 - 1e-9) * most) stage.w[row] = 0;
+  };
+  for (const Friction& f : problem.friction) hold_inside(f.first, f.mu * stage.z[f.normal]);
+  for (Index i = stage.first_friction; i < stage.rows; ++i) hold_inside(i, problem.hi[i]);
+  problem.b = stage.w - A * stage.z;
+  problem.A = DenseMatrix(A);
   Solution solution;
   solution.z = stage.z;
   judge_.certify(problem, 1e-8, Claim::candidate, solution);
@@ -209,7 +214,7 @@ void RattleLinearization::find_positions() {
       stage.w[i] = stage.z[i] > 0 ? 0 : gap_of(system_, {}, contact, end_.at);
     if (const Index i = stage.tangent[k]; i >= 0) stage.w[i] -= h * system_.law(contact).belt;
   }
-  solve_stage(stage, 1, h * h / 2);
+  solve_stage(stage, h * h / 2);
 }
 
 void RattleLinearization::set_up(const RattleTrace& step) {
@@ -251,7 +256,7 @@ void RattleLinearization::set_up(const RattleTrace& step) {
       velocity_.w[i] += law.e_t * (apply(rows.tangent, step.before.v.data()) - law.belt);
     if (i >= 0) velocity_.w[i] -= law.belt;
   }
-  solve_stage(velocity_, 1, step.h);
+  solve_stage(velocity_, step.h);
   std::sort(degenerate_.begin(), degenerate_.end());
   degenerate_.erase(std::unique(degenerate_.begin(), degenerate_.end()), degenerate_.end());
   at_.r2 = dof, at_.w1 = at_.r2 + joints;

@@ -75,7 +75,7 @@ class RattleLinearization {
   void evaluate();
   void find_velocities();
   void find_positions();
-  void solve_stage(Stage& stage, double scale, double bound);  // matrix, z, w become a problem with sensitivity
+  void solve_stage(Stage& stage, double bound);  // matrix, z, w become a problem with sensitivity
   void linearize();
   void linearize_joints();
   void linearize_contacts();

@@ -222,8 +222,9 @@ def _words(what: str, names: Union[str, Sequence[str]]) -> list[str]:
 def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto",
              integrator: str = "moreau-jean", solver: str = "auto", step: Optional[float] = None,
              duration: Optional[float] = None, every: int = 1) -> RunGradient:
-    """Derivatives of a run of a planar scene: by moreau-jean those of the discrete run, step by step, impacts included;
-    by event-driven those of the motion itself (variational equations and saltation; forward, of bodies and gaps).
+    """Derivatives of a run of a planar scene: by moreau-jean or rattle those of the discrete run, step by step, impacts
+    included; by event-driven those of the motion itself (variational equations and saltation; forward, of bodies and
+    gaps).
 
     of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n,
     impulse_t.

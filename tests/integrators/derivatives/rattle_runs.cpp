@@ -70,3 +70,93 @@ TEST_CASE("adjoint of a run of rattle: springs, dampers, a drive, dry friction, 
                 {.step = 1e-3, .duration = 0.8}, {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}}, 1e-7,
                 kByRattle);
 }
+
+TEST_CASE("tangent of a run of rattle: a driven crank on a pin with clearance, by its speed, clearance and friction") {
+  const RunTangent t = check_tangents(from_text(kDrivenCrank),
+                                      {{"joint.motor.rate", 8, 1e-6},
+                                       {"joint.motor.amplitude", 0.1, 1e-5},
+                                       {"contact.pin.radius_b", 0.014, 1e-5},
+                                       {"contact.pin.mu", 0.1, 1e-5},
+                                       {"body.rod.mass", 0.5, 1e-5}},
+                                      {.step = 2e-4, .duration = 0.05}, 1e-6, kByRattle);
+  CHECK(t.degenerate.empty());
+}
+
+TEST_CASE("tangent of a run of rattle: redundant joints beside a damper; a chain of 60 joint rows; a ball that rolls") {
+  const std::string bars = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "crank"
+position = [0, 0.5]
+omega = 2
+velocity = [-1, 0]
+mass = 1
+inertia = 0.02
+[[body]]
+name = "coupler"
+position = [0.5, 1]
+velocity = [-2, 0]
+mass = 1
+inertia = 0.02
+[[body]]
+name = "rocker"
+position = [1, 0.5]
+velocity = [-1, 0]
+omega = 2
+mass = 1
+inertia = 0.02
+[[body]]
+name = "third"
+position = [0.5, 0.5]
+velocity = [-1, 0]
+omega = 2
+mass = 1
+inertia = 0.02
+[[joint]]
+type = "revolute"
+bodies = ["ground", "crank"]
+point_b = [0, -0.5]
+[[joint]]
+type = "revolute"
+bodies = ["crank", "coupler"]
+point_a = [0, 0.5]
+point_b = [-0.5, 0]
+[[joint]]
+type = "revolute"
+bodies = ["coupler", "rocker"]
+point_a = [0.5, 0]
+point_b = [0, 0.5]
+[[joint]]
+type = "revolute"
+bodies = ["rocker", "ground"]
+point_a = [0, -0.5]
+point_b = [1, 0]
+[[joint]]
+type = "revolute"
+bodies = ["ground", "third"]
+point_a = [0.5, 0]
+point_b = [0, -0.5]
+[[joint]]
+type = "revolute"
+bodies = ["third", "coupler"]
+point_a = [0, 0.5]
+[[spring]]
+name = "s"
+type = "point"
+bodies = ["ground", "crank"]
+point_a = [1, 2]
+stiffness = 20
+damping = 1.5
+rest = 0.5
+)";
+  check_tangents(from_text(bars),
+                 {{"body.third.mass", 1, 1e-5}, {"spring.s.damping", 1.5, 1e-5}, {"spring.s.stiffness", 20, 1e-5}},
+                 {.step = 1e-3, .duration = 0.5}, 1e-7, kByRattle);
+  const MakeScene chain = [](std::vector<std::string> sets) {
+    sets.emplace_back("links=30");
+    return make_scene("chain", sets);
+  };
+  check_tangents(chain, {{"angle", 1.5, 1e-5}}, {.step = 1e-3, .duration = 0.2}, 1e-6, kByRattle);
+  const MakeScene roll = [](const std::vector<std::string>& sets) { return make_scene("roll", sets); };
+  check_tangents(roll, {{"mu", 0.2, 1e-5}, {"speed", 5, 1e-5}}, {.step = 1e-2, .duration = 1}, 1e-7, kByRattle);
+}

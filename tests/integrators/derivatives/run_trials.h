@@ -233,4 +233,42 @@ force = [0.5, 1]
 torque = 0.1
 )";
 
+/// A driven crank on a pin with clearance.
+inline const std::string kDrivenCrank = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "crank"
+mass = 1
+inertia = 0.02
+omega = 8
+[[body]]
+name = "rod"
+mass = 0.5
+inertia = 0.01
+position = [0.45, 0.002]
+velocity = [0, 1.6]
+[[joint]]
+name = "shaft"
+type = "revolute"
+bodies = ["ground", "crank"]
+[[joint]]
+name = "motor"
+type = "drive"
+joint = "shaft"
+offset = 0
+rate = 8
+amplitude = 0.1
+omega = 20
+[[contact]]
+name = "pin"
+type = "journal"
+bodies = ["crank", "rod"]
+centre_a = [0.2, 0]
+centre_b = [-0.25, 0]
+radius_a = 0.01
+radius_b = 0.014
+mu = 0.1
+e_n = 0.3
+)";
+
 }  // namespace orthant

@@ -55,42 +55,7 @@ TEST_CASE(
 }
 
 TEST_CASE("tangent of a run: a driven crank on a pin with clearance, by its speed, clearance and the start") {
-  const std::string text = R"(
-gravity = [0, -9.81]
-[[body]]
-name = "crank"
-mass = 1
-inertia = 0.02
-omega = 8
-[[body]]
-name = "rod"
-mass = 0.5
-inertia = 0.01
-position = [0.45, 0.002]
-velocity = [0, 1.6]
-[[joint]]
-name = "shaft"
-type = "revolute"
-bodies = ["ground", "crank"]
-[[joint]]
-name = "motor"
-type = "drive"
-joint = "shaft"
-offset = 0
-rate = 8
-amplitude = 0.1
-omega = 20
-[[contact]]
-name = "pin"
-type = "journal"
-bodies = ["crank", "rod"]
-centre_a = [0.2, 0]
-centre_b = [-0.25, 0]
-radius_a = 0.01
-radius_b = 0.014
-mu = 0.1
-e_n = 0.3
-)";
+  const std::string& text = kDrivenCrank;
   const RunTangent t = check_tangents(from_text(text),
                                       {{"joint.motor.rate", 8, 1e-7},
                                        {"joint.motor.amplitude", 0.1, 1e-6},
