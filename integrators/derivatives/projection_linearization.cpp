@@ -51,11 +51,8 @@ double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before
   evaluate_joint_rows(system_, after_);
   dense_ = joints <= kDenseJoints;
   if (dense_) {
-    S_.resize(joints, joints);
-    double* entry = S_.data();
-    for (const Row& row : after_.G)
-      for (const Row& column : before_.G) *entry++ = coupling(row, column, system_.inverse_mass());
-    dense_ = invert();
+    form();
+    dense_ = factorize();
   }
   if (!dense_ && !basic_.factorize(system_, before_)) throw std::runtime_error("derivatives of a step: not finite");
   rates(after_.G, moved_.data(), off_.data());
@@ -90,46 +87,109 @@ double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before
   return missed;
 }
 
-// Gauss–Jordan with partial pivoting.
-bool ProjectionLinearization::invert() {
+void ProjectionLinearization::form() {
+  const Eigen::Index joints = system_.joint_rows();
+  const Eigen::VectorXd& inverse_mass = system_.inverse_mass();
+  S_.resize(joints, joints);
+  for (Eigen::Index j = 0; j < joints; ++j) {
+    const Row& column = before_.G[static_cast<std::size_t>(j)];
+    std::array<double, 3> ja{}, jb{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto place = static_cast<Eigen::Index>(k);
+      if (column.a >= 0) ja[k] = column.ja[k] * inverse_mass[kBlock * column.a + place];
+      if (column.b >= 0) jb[k] = column.jb[k] * inverse_mass[kBlock * column.b + place];
+    }
+    const auto product = [](const std::array<double, 3>& x, const std::array<double, 3>& y) {
+      return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    };
+    double* entry = S_.data() + j;
+    for (const Row& row : after_.G) {
+      double sum = 0;
+      if (row.a >= 0 && row.a == column.a) sum += product(row.ja, ja);
+      if (row.a >= 0 && row.a == column.b) sum += product(row.ja, jb);
+      if (row.b >= 0 && row.b == column.a) sum += product(row.jb, ja);
+      if (row.b >= 0 && row.b == column.b) sum += product(row.jb, jb);
+      *entry = sum, entry += joints;
+    }
+  }
+}
+
+// L U with partial pivoting.
+bool ProjectionLinearization::factorize() {
   const Eigen::Index n = S_.rows();
-  inverse_.setIdentity(n, n);
+  row_.resize(static_cast<std::size_t>(n));
+  for (Eigen::Index i = 0; i < n; ++i) row_[static_cast<std::size_t>(i)] = i;
   const double smallest = 1e-11 * S_.cwiseAbs().maxCoeff();  // redundant joints leave rounding
   for (Eigen::Index k = 0; k < n; ++k) {
     Eigen::Index p = k;
     for (Eigen::Index i = k + 1; i < n; ++i)
       if (std::abs(S_(i, k)) > std::abs(S_(p, k))) p = i;
     if (!(std::abs(S_(p, k)) > smallest)) return false;
-    if (p != k) S_.row(p).swap(S_.row(k)), inverse_.row(p).swap(inverse_.row(k));
-    double* const __restrict pivot = S_.data() + n * k, * const __restrict unit = inverse_.data() + n * k;
-    const double by = 1 / pivot[k];
-    for (Eigen::Index j = k; j < n; ++j) pivot[j] *= by;
-    for (Eigen::Index j = 0; j < n; ++j) unit[j] *= by;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      double* const __restrict row = S_.data() + n * i, * const __restrict to = inverse_.data() + n * i;
-      const double factor = row[k];
-      if (i == k || factor == 0) continue;
-      for (Eigen::Index j = k; j < n; ++j) row[j] -= factor * pivot[j];
-      for (Eigen::Index j = 0; j < n; ++j) to[j] -= factor * unit[j];
+    if (p != k) S_.row(p).swap(S_.row(k)), std::swap(row_[static_cast<std::size_t>(p)], row_[static_cast<std::size_t>(k)]);
+    double* const __restrict pivot = S_.data() + n * k;
+    pivot[k] = 1 / pivot[k];
+    for (Eigen::Index i = k + 1; i < n; ++i) {
+      double* const __restrict row = S_.data() + n * i;
+      if (row[k] == 0) continue;
+      const double factor = row[k] *= pivot[k];
+      for (Eigen::Index j = k + 1; j < n; ++j) row[j] -= factor * pivot[j];
     }
   }
   return true;
 }
 
 void ProjectionLinearization::correct(const double* off, double* lambda) {
-  const Eigen::Index joints = system_.joint_rows();
-  if (dense_)
-    MapX(lambda, joints).noalias() = inverse_ * ConstMapX(off, joints);
-  else
-    iterate(before_, after_, off, lambda);
+  const Eigen::Index n = system_.joint_rows();
+  if (!dense_) return iterate(before_, after_, off, lambda);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double sum = off[row_[static_cast<std::size_t>(i)]];
+    for (Eigen::Index j = 0; j < i; ++j) sum -= S_(i, j) * lambda[j];
+    lambda[i] = sum;
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    double sum = lambda[i];
+    for (Eigen::Index j = i + 1; j < n; ++j) sum -= S_(i, j) * lambda[j];
+    lambda[i] = sum * S_(i, i);
+  }
 }
 
 void ProjectionLinearization::correct_transposed(const double* off, double* lambda) {
-  const Eigen::Index joints = system_.joint_rows();
-  if (dense_)
-    MapX(lambda, joints).noalias() = inverse_.transpose() * ConstMapX(off, joints);
-  else
-    iterate(after_, before_, off, lambda);
+  const Eigen::Index n = system_.joint_rows();
+  if (!dense_) return iterate(after_, before_, off, lambda);
+  x_ = ConstMapX(off, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    x_[j] *= S_(j, j);
+    for (Eigen::Index i = j + 1; i < n; ++i) x_[i] -= S_(j, i) * x_[j];
+  }
+  for (Eigen::Index j = n - 1; j >= 0; --j)
+    for (Eigen::Index i = 0; i < j; ++i) x_[i] -= S_(j, i) * x_[j];
+  for (Eigen::Index i = 0; i < n; ++i) lambda[row_[static_cast<std::size_t>(i)]] = x_[i];
+}
+
+void ProjectionLinearization::correct_block(Eigen::Index count) {
+  const Eigen::Index n = system_.joint_rows();
+  unordered_.resize(n, count);
+  if (count == 1 || !dense_) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      off_ = wanted_.col(j);
+      correct(off_.data(), unused_joints_.data());
+      unordered_.col(j) = unused_joints_;
+    }
+    wanted_.swap(unordered_);
+    return;
+  }
+  double* const to = unordered_.data();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    std::copy_n(wanted_.data() + row_[static_cast<std::size_t>(i)] * count, count, to + i * count);
+    for (Eigen::Index j = 0; j < i; ++j)
+      if (S_(i, j) != 0) add_scaled(count, -S_(i, j), to + j * count, to + i * count);
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    for (Eigen::Index j = i + 1; j < n; ++j)
+      if (S_(i, j) != 0) add_scaled(count, -S_(i, j), to + j * count, to + i * count);
+    for (Eigen::Index j = 0; j < count; ++j) to[i * count + j] *= S_(i, i);
+  }
+  wanted_.swap(unordered_);
 }
 
 void ProjectionLinearization::iterate(const Terms& push, const Terms& rate, const double* off, double* lambda) {
@@ -198,31 +258,46 @@ void ProjectionLinearization::part_of(const ParameterChange& parameter, SparsePa
   }
 }
 
-void ProjectionLinearization::push(const SparsePart& parameter, double* q, double* v) {
-  const Eigen::Index dof = system_.dof(), joints = system_.joint_rows();
+void ProjectionLinearization::close(Eigen::Index count, double* x) {
+  const Eigen::Index joints = system_.joint_rows();
+  for (Eigen::Index i = 0; i < joints; ++i)
+    add_rate(after_.G[static_cast<std::size_t>(i)], -1, x, count, wanted_.data() + i * count);
+  correct_block(count);
+  for (Eigen::Index i = 0; i < joints; ++i)
+    each_entry(before_.G[static_cast<std::size_t>(i)], [&](Eigen::Index place, double j) {
+      add_scaled(count, j * system_.inverse_mass()[place], wanted_.data() + i * count, x + place * count);
+    });
+}
+
+void ProjectionLinearization::push(const PartsOf& parameters, DirectionBlock& q, DirectionBlock& v) {
+  const Eigen::Index dof = system_.dof(), joints = system_.joint_rows(), count = q.cols();
   if (joints == 0) return;
-  force_.setZero(2 * dof);
-  apply(push_slopes_, q, force_.data());
-  MapX by_q(q, dof), by_v(v, dof);
-  by_q += force_.head(dof), by_v += force_.tail(dof);
-  for (const auto& [place, value] : parameter)
-    if (place < 2 * dof) (place < dof ? by_q[place] : by_v[place - dof]) += value;
-  const auto close = [&](double* x, MapX& to) {  // off_ holds the wanted rates
-    for (Eigen::Index i = 0; i < joints; ++i) off_[i] -= apply(after_.G[static_cast<std::size_t>(i)], x);
-    correct(off_.data(), unused_joints_.data());
-    force_.head(dof).setZero();
-    impulses(before_.G, unused_joints_.data(), force_.data());
-    to += force_.head(dof).cwiseProduct(system_.inverse_mass());
+  pushed_.setZero(2 * dof, count);
+  apply(push_slopes_, q.data(), pushed_.data(), count);
+  const auto each_part = [&](auto&& take) {  // take(place, parameter, value)
+    for (Eigen::Index j = 0; j < count; ++j)
+      for (const auto& [place, value] : (*parameters.first)[static_cast<std::size_t>(j)].*parameters.second)
+        take(place, j, value);
   };
-  off_.setZero();
-  for (const auto& [place, value] : parameter)
-    if (place >= 2 * dof && place < 2 * dof + joints) off_[place - 2 * dof] -= value;
-  close(q, by_q);
-  off_.setZero();
-  for (const Slope& slope : rate_slopes_) off_[slope.of] -= slope.value * q[slope.by];
-  for (const auto& [place, value] : parameter)
-    if (place >= 2 * dof + joints) off_[place - 2 * dof - joints] -= value;
-  close(v, by_v);
+  each_part([&](Eigen::Index place, Eigen::Index j, double value) {
+    if (place < 2 * dof) pushed_(place, j) += value;
+  });
+  for (Eigen::Index i = 0; i < dof * count; ++i) {
+    q.data()[i] += pushed_.data()[i];
+    v.data()[i] += pushed_.data()[dof * count + i];
+  }
+  wanted_.setZero(joints, count);
+  each_part([&](Eigen::Index place, Eigen::Index j, double value) {
+    if (place >= 2 * dof && place < 2 * dof + joints) wanted_(place - 2 * dof, j) -= value;
+  });
+  close(count, q.data());
+  wanted_.setZero(joints, count);
+  for (const Slope& slope : rate_slopes_)
+    add_scaled(count, -slope.value, q.data() + slope.by * count, wanted_.data() + slope.of * count);
+  each_part([&](Eigen::Index place, Eigen::Index j, double value) {
+    if (place >= 2 * dof + joints) wanted_(place - 2 * dof - joints, j) -= value;
+  });
+  close(count, v.data());
 }
 
 void ProjectionLinearization::pull(double* q, double* v, Eigen::VectorXd& by) {

@@ -12,6 +12,24 @@
 
 namespace orthant {
 
+/// A parameter's part in the equations of a step or of the start, and in those of the projection behind it.
+struct StepPart {
+  SparsePart step, projection;
+};
+/// Σ part · adjoint.
+inline double inner(const SparsePart& part, const Eigen::VectorXd& by) {
+  double sum = 0;
+  for (const auto& [place, value] : part) sum += value * by[place];
+  return sum;
+}
+inline double inner(const StepPart& part, const Eigen::VectorXd& by_step, const Eigen::VectorXd& by_projection) {
+  return inner(part.step, by_step) + inner(part.projection, by_projection);
+}
+/// One a parameter, and which of its two lists.
+using PartsOf = std::pair<const std::vector<StepPart>*, SparsePart StepPart::*>;
+/// dof × parameters.
+using DirectionBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 class ProjectionLinearization {
  public:
   explicit ProjectionLinearization(const System& system);
@@ -23,14 +41,17 @@ class ProjectionLinearization {
   void part_of(const ParameterChange& parameter, SparsePart& part);
 
   /// (q̇*, v̇') become (q̇⁺, v̇⁺).
-  void push(const SparsePart& parameter, double* q, double* v);
+  void push(const PartsOf& parameters, DirectionBlock& q, DirectionBlock& v);
   /// (q̄⁺, v̄⁺) become (q̄*, v̄'); `by`: adjoints of the four parts.
   void pull(double* q, double* v, Eigen::VectorXd& by);
 
  private:
-  bool invert();                                               // S_, into inverse_; false: singular
+  void form();                                                 // S_
+  bool factorize();                                            // S_, in place; false: singular
   void correct(const double* off, double* lambda);             // S⁻¹
   void correct_transposed(const double* off, double* lambda);  // S⁻ᵀ
+  void correct_block(Eigen::Index count);                      // wanted_ ← S⁻¹ wanted_
+  void close(Eigen::Index count, double* x);                   // x += M⁻¹ G*ᵀ S⁻¹ (wanted_ − G⁺ x)
   /// λ with G_rate M⁻¹ G_pushᵀ λ = off, by corrections that basic_ finds at q*.
   void iterate(const Terms& push, const Terms& rate, const double* off, double* lambda);
   void rates(const std::vector<Row>& rows, const double* x, double* to) const;
@@ -43,7 +64,9 @@ class ProjectionLinearization {
   std::vector<RowSlope> slopes_;
   std::vector<Slope> push_slopes_, rate_slopes_;  // of M⁻¹ G*ᵀ λ and, behind, of ν by q*; of G⁺ v⁺ by q⁺
   bool dense_ = true;
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> S_, inverse_;
+  DirectionBlock S_;                    // L with unit diagonal, and U, the diagonal inverted
+  std::vector<Eigen::Index> row_;  // of S in row i of S_
+  DirectionBlock pushed_, wanted_, unordered_;  // blocks of directions
   Eigen::VectorXd force_, off_, x_, left_, none_, unused_, unused_joints_;
 };
 

@@ -71,7 +71,7 @@ RattleLinearization::RattleLinearization(const System& system, const RattleOptio
 void RattleLinearization::number(Stage& stage, bool velocity) {
   const RattleTrace& step = *step_;
   stage.normal.clear(), stage.tangent.clear(), stage.mu_of.clear();
-  stage.push.clear(), stage.hold.clear(), stage.problem.friction.clear(), stage.sensitivity.reset();
+  stage.push.clear(), stage.hold.clear(), stage.problem.friction.clear(), stage.sensitivity.clear();
   stage.rows = 0;
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const RattleTrace::Contact& c = step.contacts[k];
@@ -189,8 +189,8 @@ void RattleLinearization::solve_stage(Stage& stage, double bound) {
   if (!has_answer(solution.status))
     throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(step_->before.t) +
                              " s its contacts are not solved");
-  stage.sensitivity.emplace(problem, solution);
-  for (const WeaklyActive& row : stage.sensitivity->report().weakly_active)
+  stage.sensitivity.set_up(problem, solution);
+  for (const WeaklyActive& row : stage.sensitivity.weakly_active())
     for (std::size_t k = 0; k < stage.normal.size(); ++k)
       if (stage.normal[k] == row.row || stage.tangent[k] == row.row)
         degenerate_.push_back(step_->contacts[k].contact);
@@ -267,22 +267,26 @@ void RattleLinearization::set_up(const RattleTrace& step) {
 }
 
 // ż of a stage, its w at fixed z being those of rho_ and of `rates`.
-Eigen::VectorXd RattleLinearization::tangent_of(Stage& stage, Index place, const Eigen::VectorXd& rates) {
+const Eigen::VectorXd& RattleLinearization::tangent_of(Stage& stage, Index place, const Eigen::VectorXd& rates) {
   const Index n = stage.rows;
-  data_.b = rho_.segment(place, n) + rates;
-  if (stage.first_friction < n) {
-    data_.hi = rho_.segment(place + n, n);
-    data_.lo = -data_.hi;
-  } else {
-    data_.hi.resize(0), data_.lo.resize(0);
-  }
-  data_.mu = rho_.segment(place + 2 * n, std::ssize(stage.mu_of));
-  const SolutionTangent t = stage.sensitivity->jvp(data_);
-  consistent_ = consistent_ && t.consistent;
-  return t.z;
+  double* const w = rho_.data() + place;
+  for (Index i = 0; i < n; ++i) w[i] += rates[i];
+  z_dot_.resize(n);
+  const double* const hi = stage.first_friction < n ? w + n : nullptr;
+  consistent_ = stage.sensitivity.tangent(w, hi, w + 2 * n, 1, z_dot_.data()) && consistent_;
+  return z_dot_;
 }
 
-void RattleLinearization::push(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses) {
+void RattleLinearization::push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v,
+                               std::vector<ImpulseChange>* impulses) {
+  for (Index j = 0; j < q.cols(); ++j) {
+    one_q_ = q.col(j), one_v_ = v.col(j);
+    push_one(parameters[at(j)], one_q_.data(), one_v_.data(), impulses != nullptr ? &(*impulses)[at(j)] : nullptr);
+    q.col(j) = one_q_, v.col(j) = one_v_;
+  }
+}
+
+void RattleLinearization::push_one(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses) {
   const Index dof = system_.dof(), joints = system_.joint_rows();
   const double h = step_->h;
   Eigen::Map<Eigen::VectorXd> dq(q, dof), dv(v, dof);
@@ -327,12 +331,9 @@ void RattleLinearization::push(const StepPart& parameter, double* q, double* v, 
 
 // The adjoint of w at fixed z; those of bounds and μ behind it.
 Eigen::VectorXd RattleLinearization::adjoint_of(Stage& stage, Index place, const Vector& of_z) {
-  const DataGradient by = stage.sensitivity->vjp(of_z);
-  consistent_ = consistent_ && by.consistent;
-  by_.segment(place, stage.rows) = by.b;
-  by_.segment(place + stage.rows, stage.rows) = by.hi - by.lo;
-  by_.segment(place + 2 * stage.rows, std::ssize(stage.mu_of)) = by.mu;
-  return by.b;
+  double* const w = by_.data() + place;
+  consistent_ = stage.sensitivity.adjoint(of_z, w, w + stage.rows, w + 2 * stage.rows) && consistent_;
+  return by_.segment(place, stage.rows);
 }
 
 void RattleLinearization::pull(double* q, double* v, const ImpulseChange* impulses) {

@@ -50,7 +50,8 @@ class RattleLinearization {
   void set_up(const RattleTrace& step);
   void part_of(const ParameterChange& parameter, StepPart& part);
   /// See StepLinearization.
-  void push(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses = nullptr);
+  void push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v,
+            std::vector<ImpulseChange>* impulses = nullptr);
   template <class F> void pull(double* q, double* v, const ImpulseChange* impulses, F&& parameter) {
     pull(q, v, impulses);
     parameter(by_, none_);
@@ -68,8 +69,9 @@ class RattleLinearization {
     Lcp problem;
     Vector z, w;
     Eigen::MatrixXd unit;  // dof × rows: velocities by each impulse
-    std::optional<Sensitivity> sensitivity;
+    StepSensitivity sensitivity;
   };
+  void push_one(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses);
   void pull(double* q, double* v, const ImpulseChange* impulses);
   void number(Stage& stage, bool velocity);
   void evaluate();
@@ -82,7 +84,7 @@ class RattleLinearization {
   void linearize_targets(std::size_t k, const std::array<RowSlope, 2>& at_start, const std::array<RowSlope, 2>& at_end);
   void linearize_frictions();
   double speed_at_surface(std::size_t k, double& square) const;  // √square, square of (5)
-  Eigen::VectorXd tangent_of(Stage& stage, Index place, const Eigen::VectorXd& rates);
+  const Eigen::VectorXd& tangent_of(Stage& stage, Index place, const Eigen::VectorXd& rates);
   Eigen::VectorXd adjoint_of(Stage& stage, Index place, const Vector& of_z);
   void contact_parts(const ParameterChange& parameter, SparsePart& part);
   void moved_contact_part(const ParameterChange& parameter, std::size_t k, SparsePart& part);
@@ -110,8 +112,7 @@ class RattleLinearization {
   std::vector<int> degenerate_;
   bool consistent_ = true;
   Judge judge_;
-  Perturbation data_;
-  Eigen::VectorXd rho_, by_, none_, none_of_joints_, unused_, force_, rate_, x_, y_, joints_;
+  Eigen::VectorXd rho_, by_, one_q_, one_v_, z_dot_, none_, none_of_joints_, unused_, force_, rate_, x_, y_, joints_;
 };
 
 }  // namespace orthant

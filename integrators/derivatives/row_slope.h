@@ -36,8 +36,25 @@ void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& 
 void slope_of(const Coordinate& coordinate, Kinematics& at, RowSlope& slope);
 void slope_of(const Spring& spring, Kinematics& at, RowSlope& slope);
 
+/// y += a x, of one row of a block.
+inline void add_scaled(Eigen::Index count, double a, const double* __restrict x, double* __restrict y) {
+  for (Eigen::Index j = 0; j < count; ++j) y[j] += a * x[j];
+}
+
 inline void apply(const std::vector<Slope>& slopes, const double* x, double* y) {
   for (const Slope& s : slopes) y[s.of] += s.value * x[s.by];
+}
+/// Likewise of blocks of `count` columns, stored by rows: row i begins at i · count.
+inline void apply(const std::vector<Slope>& slopes, const double* x, double* y, Eigen::Index count) {
+  if (count == 1) return apply(slopes, x, y);
+  for (const Slope& s : slopes) add_scaled(count, s.value, x + s.by * count, y + s.of * count);
+}
+/// to += by · J x and f += Jᵀ (by · λ) of one row, of such blocks.
+inline void add_rate(const Row& row, double by, const double* x, Eigen::Index count, double* to) {
+  each_entry(row, [&](Eigen::Index place, double j) { add_scaled(count, by * j, x + place * count, to); });
+}
+inline void add_impulse(const Row& row, double by, const double* lambda, Eigen::Index count, double* f) {
+  each_entry(row, [&](Eigen::Index place, double j) { add_scaled(count, by * j, lambda, f + place * count); });
 }
 inline void apply_transposed(const std::vector<Slope>& slopes, const double* y, double* x) {
   for (const Slope& s : slopes) x[s.by] += s.value * y[s.of];

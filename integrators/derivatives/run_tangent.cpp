@@ -15,14 +15,15 @@ RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>&
   for (const RunParameter& parameter : parameters) changes.push_back(changes_of(parameter, system, clock.duration));
   RunTangent result;
   result.warnings = one_sided_in_words(parameters, changes);
-  result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
   typename Scheme::Integrator integrator(system, options);
   typename Scheme::Linearization linear(system, options);
   StartLinearization start(system);
   ColumnSlopes slopes(system, columns);
-  StepPart part;
+  std::vector<StepPart> parts(parameters.size());
   typename Scheme::Linearization::Trace trace;
-  ImpulseChange impulses;
+  std::vector<ImpulseChange> impulses(parameters.size());
+  DirectionBlock dq = DirectionBlock::Zero(system.dof(), count), dv = dq;
+  Eigen::VectorXd one_q, one_v;
   const auto size = static_cast<Index>(columns.size());
   Eigen::VectorXd value = Eigen::VectorXd::Zero(size);
   Eigen::MatrixXd by = Eigen::MatrixXd::Zero(size, count);  // of impulses: since the last record
@@ -30,11 +31,11 @@ RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>&
   long step = 0;
   const auto write = [&](const State& x) {
     slopes.set_up(x);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const auto row = static_cast<Index>(i);
-      value[row] += slopes.value(i, x);
-      for (Index j = 0; j < count; ++j)
-        by(row, j) += slopes.push(i, changes[at(j)], result.q.col(j).data(), result.v.col(j).data());
+    for (std::size_t i = 0; i < columns.size(); ++i) value[static_cast<Index>(i)] += slopes.value(i, x);
+    for (Index j = 0; j < count; ++j) {
+      one_q = dq.col(j), one_v = dv.col(j);
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        by(static_cast<Index>(i), j) += slopes.push(i, changes[at(j)], one_q.data(), one_v.data());
     }
     record(x.t, value, by);
     value.setZero(), by.setZero();
@@ -53,26 +54,25 @@ RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>&
     if (!begun) {
       start.set_up(system.initial_state(), moment.state);
       for (Index j = 0; j < count; ++j) {
-        result.q.col(j) = changes[at(j)].start_q, result.v.col(j) = changes[at(j)].start_v;
-        start.part_of(changes[at(j)], part);
-        start.push(part, result.q.col(j).data(), result.v.col(j).data());
+        dq.col(j) = changes[at(j)].start_q, dv.col(j) = changes[at(j)].start_v;
+        start.part_of(changes[at(j)], parts[at(j)]);
       }
+      start.push(parts, dq, dv);
       begun = true;
     } else {
       trace.take(integrator, before, steps.duration_of(step), moment.state);
       linear.set_up(trace);
-      for (Index j = 0; j < count; ++j) {
-        linear.part_of(changes[at(j)], part);
-        linear.push(part, result.q.col(j).data(), result.v.col(j).data(), slopes.any_impulse() ? &impulses : nullptr);
-        each_impulse([&](Index row, Index contact, bool normal) {
-          by(row, j) += (normal ? impulses.normal : impulses.tangent)[contact];
-        });
-      }
+      for (Index j = 0; j < count; ++j) linear.part_of(changes[at(j)], parts[at(j)]);
+      linear.push(parts, dq, dv, slopes.any_impulse() ? &impulses : nullptr);
+      each_impulse([&](Index row, Index contact, bool normal) {
+        for (Index j = 0; j < count; ++j)
+          by(row, j) += (normal ? impulses[at(j)].normal : impulses[at(j)].tangent)[contact];
+      });
       each_impulse([&](Index row, Index contact, bool normal) {
         const Impulse& impulse = moment.impulses[at(contact)];
         value[row] += normal ? impulse.normal : impulse.tangent;
       });
-      refuse_overflow(result.q.allFinite() && result.v.allFinite(), before.t);
+      refuse_overflow(dq.allFinite() && dv.allFinite(), before.t);
       if (!linear.degenerate().empty()) result.degenerate.push_back({before.t, linear.degenerate()});
       result.inconsistent += !linear.consistent();
       ++step;
@@ -80,6 +80,7 @@ RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>&
     before = moment.state;
     if (record && steps.recorded(step)) write(moment.state);
   });
+  result.q = dq, result.v = dv;
   return result;
 }
 

@@ -24,10 +24,10 @@ void StartLinearization::part_of(const ParameterChange& parameter, StepPart& par
   places_.part_of(parameter, part.step);
 }
 
-void StartLinearization::push(const StepPart& parameter, double* q, double* v) {
-  unused_.setZero();  // the velocities are those of the second projection
-  places_.push(parameter.step, q, unused_.data());
-  rates_.push(parameter.projection, q, v);
+void StartLinearization::push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v) {
+  unused_rates_.setZero(v.rows(), v.cols());  // the velocities are those of the second projection
+  places_.push({&parameters, &StepPart::step}, q, unused_rates_);
+  rates_.push({&parameters, &StepPart::projection}, q, v);
 }
 
 }  // namespace orthant

@@ -8,21 +8,6 @@
 
 namespace orthant {
 
-/// A parameter's part in the equations of a step or of the start, and in those of the projection behind it.
-struct StepPart {
-  SparsePart step, projection;
-};
-
-/// Σ part · adjoint.
-inline double inner(const SparsePart& part, const Eigen::VectorXd& by) {
-  double sum = 0;
-  for (const auto& [place, value] : part) sum += value * by[place];
-  return sum;
-}
-inline double inner(const StepPart& part, const Eigen::VectorXd& by_step, const Eigen::VectorXd& by_projection) {
-  return inner(part.step, by_step) + inner(part.projection, by_projection);
-}
-
 class StartLinearization {
  public:
   explicit StartLinearization(const System& system) : places_(system), rates_(system) {
@@ -33,7 +18,7 @@ class StartLinearization {
   void set_up(const State& given, const State& closed);
 
   void part_of(const ParameterChange& parameter, StepPart& part);
-  void push(const StepPart& parameter, double* q, double* v);
+  void push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v);
   /// Calls parameter(adjoint of the coordinates' projection, of the velocities').
   template <class F> void pull(double* q, double* v, F&& parameter) {
     rates_.pull(q, v, by_rates_);
@@ -44,6 +29,7 @@ class StartLinearization {
 
  private:
   ProjectionLinearization places_, rates_;
+  DirectionBlock unused_rates_;
   Eigen::VectorXd unused_, by_places_, by_rates_;
 };
 

@@ -101,13 +101,13 @@ void StepLinearization::set_up(const StepTrace& step) {
   solve();
   v_new_ = x.v + change_;
 
-  sensitivity_.reset();
+  sensitivity_.clear();
   if (step.rows > 0) {
     solution_ = {};
     solution_.z = step.z;
     judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
-    sensitivity_.emplace(step.problem, solution_);
-    for (const WeaklyActive& row : sensitivity_->report().weakly_active)
+    sensitivity_.set_up(step.problem, solution_);
+    for (const WeaklyActive& row : sensitivity_.weakly_active())
       for (std::size_t k = 0; k < places_.size(); ++k)
         if (places_[k].normal == row.row || places_[k].tangent == row.row) degenerate_.push_back(step.contacts[k]);
     std::sort(degenerate_.begin(), degenerate_.end());
@@ -166,47 +166,68 @@ void StepLinearization::linearize_rows() {
   }
 }
 
-void StepLinearization::push(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses) {
+void StepLinearization::solve_columns(Index count, const double* f, const double* c, DirectionBlock& x) {
+  const Index dof = system_.dof(), joints = system_.joint_rows();
+  x.resize(dof, count);
+  if (count == 1) return basic_.solve(f, c != nullptr ? c : none_.data(), x.data(), unused_joints_.data());
+  by_z_.resize(dof + joints);
+  for (Index j = 0; j < count; ++j) {
+    for (Index i = 0; i < dof; ++i) by_z_[i] = f[i * count + j];
+    for (Index i = 0; i < joints; ++i) by_z_[dof + i] = c != nullptr ? c[i * count + j] : 0;
+    basic_.solve(by_z_.data(), by_z_.data() + dof, fixed_.data(), unused_joints_.data());
+    for (Index i = 0; i < dof; ++i) x(i, j) = fixed_[i];
+  }
+}
+
+void StepLinearization::push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v,
+                             std::vector<ImpulseChange>* impulses) {
+  const StepTrace& step = *step_;
+  const Index dof = system_.dof(), joints = system_.joint_rows(), count = q.cols();
+  const double h = step.h, theta = options_.theta;
+  rho_.setZero(size(), count);
+  q_at_ = q + theta * h * v;
+  for (Index i = 0; i < dof; ++i) add_scaled(count, -system_.mass()[i], v.data() + i * count, rho_.data() + i * count);
+  orthant::apply(by_pose_, q_at_.data(), rho_.data(), count);
+  orthant::apply(by_velocity_, v.data(), rho_.data(), count);
+  const double of_mean = 1 / theta - 1;  // of G v in r₂
+  for (Index i = 0; i < joints; ++i)
+    add_rate(terms_.G[at(i)], of_mean, v.data(), count, rho_.data() + (dof + i) * count);
+  for (Index j = 0; j < count; ++j)
+    for (const auto& [place, value] : parameters[at(j)].step) rho_(place, j) += value;
+
+  for (Index i = 0; i < (dof + joints) * count; ++i) rho_.data()[i] = -rho_.data()[i];
+  solve_columns(count, rho_.data(), rho_.data() + dof * count, solved_);
+  push_contacts(count, impulses);
+  const double one = h * theta, other = h * (1 - theta);
+  for (Index i = 0; i < dof * count; ++i) q.data()[i] += one * solved_.data()[i] + other * v.data()[i];
+  v.swap(solved_);
+  projection_.push({&parameters, &StepPart::projection}, q, v);
+}
+
+// ż, and what it adds to solved_.
+void StepLinearization::push_contacts(Index count, std::vector<ImpulseChange>* impulses) {
   const StepTrace& step = *step_;
   const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
-  const double h = step.h;
-  Eigen::Map<Eigen::VectorXd> dq(q, dof), dv(v, dof);
-  rho_.setZero(size());
-  q_a_ = dq + options_.theta * h * dv;
-  rho_.head(dof) = -system_.mass().cwiseProduct(dv);
-  orthant::apply(by_pose_, q_a_.data(), rho_.data());
-  orthant::apply(by_velocity_, v, rho_.data());
-  const double of_mean = 1 / options_.theta - 1;  // of G v in r₂
-  for (Index i = 0; i < joints; ++i) rho_[dof + i] += of_mean * apply(terms_.G[at(i)], v);
-  for (const auto& [place, value] : parameter.step) rho_[place] += value;
-
-  rho_.head(dof + joints) *= -1;
-  basic_.solve(rho_.data(), rho_.data() + dof, fixed_.data(), unused_joints_.data());
-  if (impulses != nullptr) impulses->normal.setZero(system_.contacts()), impulses->tangent.setZero(system_.contacts());
-  if (rows > 0) {
-    data_.b = rho_.segment(dof + joints, rows);
-    for (Index i = 0; i < rows; ++i) data_.b[i] += apply(rows_[at(i)], fixed_.data());
-    if (step.first_friction < rows) {
-      data_.hi = rho_.segment(dof + joints + rows, rows);
-      data_.lo = -data_.hi;
-    } else {
-      data_.hi.resize(0), data_.lo.resize(0);
-    }
-    data_.mu = rho_.tail(std::ssize(step.mu_of));
-    const SolutionTangent t = sensitivity_->jvp(data_);
-    consistent_ = consistent_ && t.consistent;
-    force_.setZero();
-    for (Index i = 0; i < rows; ++i) apply_transposed(rows_[at(i)], t.z[i], force_.data());
-    basic_.solve(force_.data(), none_.data(), by_z_.data(), unused_joints_.data());
-    fixed_ += by_z_;
-    for (std::size_t k = 0; k < places_.size() && impulses != nullptr; ++k) {
-      if (places_[k].normal >= 0) impulses->normal[step.contacts[k]] = t.z[places_[k].normal];
-      if (places_[k].tangent >= 0) impulses->tangent[step.contacts[k]] = t.z[places_[k].tangent];
-    }
+  for (Index j = 0; j < count && impulses != nullptr; ++j) {
+    (*impulses)[at(j)].normal.setZero(system_.contacts());
+    (*impulses)[at(j)].tangent.setZero(system_.contacts());
   }
-  dq += h * (options_.theta * fixed_ + (1 - options_.theta) * dv);
-  dv = fixed_;
-  projection_.push(parameter.projection, q, v);
+  if (rows == 0) return;
+  double* const w = rho_.data() + (dof + joints) * count;
+  for (Index i = 0; i < rows; ++i) add_rate(rows_[at(i)], 1, solved_.data(), count, w + i * count);
+  z_.resize(rows, count);
+  const double* const hi = step.first_friction < rows ? w + rows * count : nullptr;
+  consistent_ = sensitivity_.tangent(w, hi, w + 2 * rows * count, count, z_.data()) && consistent_;
+  forces_.setZero(dof, count);
+  for (Index i = 0; i < rows; ++i) add_impulse(rows_[at(i)], 1, z_.data() + i * count, count, forces_.data());
+  solve_columns(count, forces_.data(), nullptr, by_force_);
+  solved_ += by_force_;
+  for (Index j = 0; j < count && impulses != nullptr; ++j)
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      ImpulseChange& change = (*impulses)[at(j)];
+      if (places_[k].normal >= 0) change.normal[step.contacts[k]] = z_(places_[k].normal, j);
+      if (places_[k].tangent >= 0) change.tangent[step.contacts[k]] = z_(places_[k].tangent, j);
+    }
 }
 
 void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses) {
@@ -218,6 +239,7 @@ void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses
   by_step_.setZero(size());
   of_v += h * options_.theta * of_q;
   if (rows > 0) {
+    by_z_.resize(dof + joints);
     basic_.solve(of_v.data(), none_.data(), by_z_.data(), unused_joints_.data());
     Vector of_z = Eigen::VectorXd::Zero(rows);
     for (Index i = 0; i < rows; ++i) of_z[i] = apply(rows_[at(i)], by_z_.data());
@@ -225,12 +247,9 @@ void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses
       if (places_[k].normal >= 0) of_z[places_[k].normal] += impulses->normal[step.contacts[k]];
       if (places_[k].tangent >= 0) of_z[places_[k].tangent] += impulses->tangent[step.contacts[k]];
     }
-    const DataGradient by = sensitivity_->vjp(of_z);
-    consistent_ = consistent_ && by.consistent;
-    by_step_.segment(dof + joints, rows) = by.b;
-    by_step_.segment(dof + joints + rows, rows) = by.hi - by.lo;
-    by_step_.tail(std::ssize(step.mu_of)) = by.mu;
-    for (Index i = 0; i < rows; ++i) apply_transposed(rows_[at(i)], by.b[i], of_v.data());
+    double* const by_w = by_step_.data() + dof + joints;
+    consistent_ = sensitivity_.adjoint(of_z, by_w, by_w + rows, by_w + 2 * rows) && consistent_;
+    for (Index i = 0; i < rows; ++i) apply_transposed(rows_[at(i)], by_w[i], of_v.data());
   }
   basic_.solve(of_v.data(), none_.data(), by_step_.data(), by_step_.data() + dof);
   by_step_.head(dof) *= -1;

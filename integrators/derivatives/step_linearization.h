@@ -19,10 +19,8 @@
 
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/integrators/derivatives/start_linearization.h>
+#include <orthant/integrators/derivatives/step_sensitivity.h>
 #include <orthant/integrators/fixed_step/moreau_jean.h>
-#include <orthant/solvers/derivatives/sensitivity.h>
-
-#include <optional>
 
 namespace orthant {
 
@@ -62,8 +60,10 @@ class StepLinearization {
   void set_up(const StepTrace& step);
   void part_of(const ParameterChange& parameter, StepPart& part);
 
-  /// (q̇, v̇) at the step's begin become those at its end. `impulses`: of the contacts; null: not wanted.
-  void push(const StepPart& parameter, double* q, double* v, ImpulseChange* impulses = nullptr);
+  /// (q̇, v̇) at the step's begin become those at its end, one column a parameter. `impulses`: of the contacts, one a
+  /// parameter; null: not wanted.
+  void push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v,
+            std::vector<ImpulseChange>* impulses = nullptr);
   /// (q̄, v̄) at the end become those at the begin. `impulses`: the scalar's derivative by the contacts' impulses.
   /// Calls parameter(adjoint of the step's equations, adjoint of the projection's) for inner products with parts.
   template <class F> void pull(double* q, double* v, const ImpulseChange* impulses, F&& parameter) {
@@ -96,13 +96,15 @@ class StepLinearization {
   Eigen::VectorXd v_new_, change_, joint_;    // v', v' − v, Λ_G
   std::vector<Slope> by_pose_, by_velocity_;  // of r by q_a and by v, but for M
   std::vector<RowSlope> slopes_;
-  std::optional<Sensitivity> sensitivity_;
+  StepSensitivity sensitivity_;
   std::vector<int> degenerate_;
   bool consistent_ = true;
   Judge judge_;
   Solution solution_;
-  Eigen::VectorXd rho_, fixed_, by_z_, q_a_, force_, none_, unused_joints_, by_step_, by_projection_;
-  Perturbation data_;
+  void push_contacts(Index count, std::vector<ImpulseChange>* impulses);
+  void solve_columns(Index count, const double* f, const double* c, DirectionBlock& x);  // basic_; c null: 0
+  Eigen::VectorXd fixed_, by_z_, q_a_, force_, none_, unused_joints_, by_step_, by_projection_;
+  DirectionBlock rho_, q_at_, solved_, z_, forces_, by_force_;  // of the directions
 };
 
 }  // namespace orthant
