@@ -21,6 +21,11 @@ MotionVariation::MotionVariation(const System& system, const std::vector<RunPara
   std::vector<ParameterChange> changes;
   for (const RunParameter& parameter : parameters)
     changes.push_back(changes_of(parameter, system, duration, kParameterStep));
+  for (std::size_t j = 0; j < changes.size(); ++j)
+    if (!begun_frictions({&changes[j], 1}, system).empty())
+      throw std::invalid_argument("derivative with respect to " + parameters[j].name +
+                                  ": a motion without friction has no equations for it: mu must be > 0, or the "
+                                  "integrator moreau-jean or rattle");
   result.warnings = one_sided_in_words(parameters, changes);
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
   for (std::size_t j = 0; j < parameters.size(); ++j) {

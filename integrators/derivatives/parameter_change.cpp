@@ -234,8 +234,8 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system, 
   if (change.other().weight() != system.weight())
     change.weight = of_vectors([](const System& s) { return s.weight(); });
   for (int i = 0; i < system.contacts(); ++i)
-    if (!system.law(i).frictional() && change.other().law(i).frictional())
-      refuse("a contact without friction has no row for it: mu must be > 0");
+    if (!system.law(i).frictional() && change.other().law(i).mu == 0 && change.other().law(i).frictional())
+      refuse("a contact without friction has no static one: mu must be > 0");
   change.start_q += of_vectors([](const System& s) { return s.initial_state().q; });
   change.start_v += of_vectors([](const System& s) { return s.initial_state().v; });
   for (int i = 0; i < system.contacts(); ++i) {
@@ -254,6 +254,17 @@ ParameterChange changes_of(const RunParameter& parameter, const System& system, 
         x[0] = s.scene().frictions[i].bound;
       })[0]);
   return change;
+}
+
+std::vector<char> begun_frictions(std::span<const ParameterChange> changes, const System& system) {
+  std::vector<char> begun;
+  for (const ParameterChange& change : changes)
+    for (const ParameterChange::Law& d : change.laws) {
+      if (d.mu == 0 || system.law(d.contact).frictional()) continue;
+      begun.resize(static_cast<std::size_t>(system.contacts()), 0);
+      begun[static_cast<std::size_t>(d.contact)] = 1;
+    }
+  return begun;
 }
 
 std::vector<std::string> one_sided_in_words(const std::vector<RunParameter>& parameters,

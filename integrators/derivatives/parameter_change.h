@@ -16,6 +16,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,6 +68,10 @@ struct ParameterChange {
 /// step resolves the change, and for a place of the start that is none.
 ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration,
                            double relative_step = 1e-3);
+
+/// One flag a contact: it has no friction, and a parameter gives it some (μ = 0, the least it can be). Empty: there is
+/// none.
+std::vector<char> begun_frictions(std::span<const ParameterChange> changes, const System& system);
 
 /// In words: parameters whose scenes lie on one side of the value only. Empty: there is none.
 std::vector<std::string> one_sided_in_words(const std::vector<RunParameter>& parameters,

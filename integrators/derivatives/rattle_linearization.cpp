@@ -68,6 +68,23 @@ RattleLinearization::RattleLinearization(const System& system, const RattleOptio
     x->setZero(system.joint_rows());
 }
 
+bool RattleLinearization::begins(int contact) const {
+  return !begun_.empty() && begun_[at(contact)] != 0 && !system_.law(contact).frictional();
+}
+
+// Contacts that friction begins at, and that do not slip.
+void RattleLinearization::note_rest(Stage& stage) {
+  const double time = &stage == &position_ ? step_->h : 1;
+  for (std::size_t k = 0; k < stage.tangent.size(); ++k) {
+    const int contact = step_->contacts[k].contact;
+    if (stage.tangent[k] < 0 || !begins(contact)) continue;
+    double& slip = stage.w[stage.tangent[k]];
+    if (std::abs(slip) > time * kStickSpeed * system_.law(contact).unit) continue;
+    slip = 0;
+    if (stage.z[stage.normal[k]] > 0) degenerate_.push_back(contact);
+  }
+}
+
 void RattleLinearization::number(Stage& stage, bool velocity) {
   const RattleTrace& step = *step_;
   stage.normal.clear(), stage.tangent.clear(), stage.mu_of.clear();
@@ -78,9 +95,10 @@ void RattleLinearization::number(Stage& stage, bool velocity) {
     const RattleTrace::Stage& of = velocity ? c.velocity : c.position;
     const ContactRows &there = end_.closed[k].rows, &here = velocity ? there : start_.closed[k].rows;
     stage.normal.push_back(of.has_normal ? stage.rows++ : -1);
-    stage.tangent.push_back(of.has_tangent ? stage.rows++ : -1);
+    const bool rubs = of.has_tangent || (of.has_normal && begins(c.contact));
+    stage.tangent.push_back(rubs ? stage.rows++ : -1);
     if (of.has_normal) stage.push.push_back(here.normal), stage.hold.push_back(there.normal);
-    if (!of.has_tangent) continue;
+    if (!rubs) continue;
     stage.push.push_back(here.tangent), stage.hold.push_back(here.tangent);
     stage.problem.friction.push_back({stage.normal.back(), stage.tangent.back(), 1, of.mu});
     stage.mu_of.emplace_back(c.contact, of.is_static);
@@ -168,6 +186,7 @@ void RattleLinearization::solve_stage(Stage& stage, double bound) {
   Eigen::MatrixXd A(stage.rows, stage.rows);
   for (Index j = 0; j < stage.rows; ++j)
     for (Index i = 0; i < stage.rows; ++i) A(i, j) = apply(stage.hold[at(i)], stage.unit.col(j).data());
+  note_rest(stage);
   Lcp& problem = stage.problem;
   problem.lo = Eigen::VectorXd::Constant(stage.rows, -kInf), problem.hi = Eigen::VectorXd::Constant(stage.rows, kInf);
   for (const Index normal : stage.normal)

@@ -47,6 +47,8 @@ class RattleLinearization {
   /// Throws std::invalid_argument for what has no derivative here.
   explicit RattleLinearization(const System& system, const RattleOptions& options = {});
 
+  /// See StepLinearization.
+  void begin_friction(std::vector<char> begun) { begun_ = std::move(begun); }
   void set_up(const RattleTrace& step);
   void part_of(const ParameterChange& parameter, StepPart& part);
   /// See StepLinearization.
@@ -77,6 +79,8 @@ class RattleLinearization {
   void evaluate();
   void find_velocities();
   void find_positions();
+  bool begins(int contact) const;
+  void note_rest(Stage& stage);
   void solve_stage(Stage& stage, double bound);  // matrix, z, w become a problem with sensitivity
   void linearize();
   void linearize_joints();
@@ -103,6 +107,7 @@ class RattleLinearization {
   SkewSaddle saddle_;
   Stage position_, velocity_;
   Places at_;
+  std::vector<char> begun_;
   bool any_at_surface_ = false;
   Eigen::VectorXd u_, kick_, free_, pushed_, new_;  // u, u − v, v', v⁺ − v', v⁺
   Eigen::VectorXd lambda_1_, lambda_free_, lambda_push_;

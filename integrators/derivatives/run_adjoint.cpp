@@ -40,6 +40,7 @@ template <class Options> class Adjoint {
         W_(static_cast<Index>(columns.size()), scalars) {
     for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
     result_.warnings = one_sided_in_words(parameters, changes_);
+    linear_.begin_friction(begun_frictions(changes_, system));
     parts_.resize(changes_.size());
     result_.value.setZero(scalars);
     result_.gradient.setZero(scalars, static_cast<Index>(changes_.size()));

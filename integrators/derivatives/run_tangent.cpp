@@ -18,6 +18,7 @@ RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>&
   typename Scheme::Integrator integrator(system, options);
   typename Scheme::Linearization linear(system, options);
   StartLinearization start(system);
+  linear.begin_friction(begun_frictions(changes, system));
   ColumnSlopes slopes(system, columns);
   std::vector<StepPart> parts(parameters.size());
   typename Scheme::Linearization::Trace trace;

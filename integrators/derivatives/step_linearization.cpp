@@ -63,11 +63,65 @@ Eigen::Index StepLinearization::size() const {
   return system_.dof() + system_.joint_rows() + 2 * step_->rows + std::ssize(step_->mu_of);
 }
 
-void StepLinearization::set_up(const StepTrace& step) {
-  step_ = &step;
+void StepLinearization::extend(const StepTrace& given) {
+  step_ = &given;
+  const auto begins = [&](std::size_t k) {
+    return given.places[k].normal >= 0 && given.places[k].tangent < 0 && begun_[at(given.contacts[k])] != 0 &&
+           !system_.law(given.contacts[k]).frictional();
+  };
+  Index more = 0;
+  for (std::size_t k = 0; k < given.places.size() && !begun_.empty(); ++k) more += begins(k);
+  if (more == 0) return;
+  extended_ = given;
+  step_ = &extended_;
+  for (std::size_t k = 0; k < given.places.size(); ++k) {
+    if (!begins(k)) continue;
+    extended_.places[k].tangent = extended_.first_friction++;
+    extended_.problem.friction.push_back({given.places[k].normal, extended_.places[k].tangent, 1, 0});
+    extended_.mu_of.emplace_back(given.contacts[k], false);
+  }
+  extended_.rows += more;
+  const auto widened = [&](const Vector& x, double between) {
+    Eigen::VectorXd wide = Eigen::VectorXd::Constant(extended_.rows, between);
+    wide.head(given.first_friction) = x.head(given.first_friction);
+    wide.tail(given.rows - given.first_friction) = x.tail(given.rows - given.first_friction);
+    return wide;
+  };
+  extended_.z = widened(given.z, 0);
+  extended_.problem.b = widened(given.problem.b, 0);
+  extended_.problem.lo = widened(given.problem.lo, -kInf), extended_.problem.hi = widened(given.problem.hi, kInf);
+}
+
+void StepLinearization::form_extended(const StepTrace& given) {
+  if (step_ == &given) return;
+  const Index rows = extended_.rows;
+  Eigen::MatrixXd A(rows, rows);
+  by_z_.resize(system_.dof());
+  for (Index j = 0; j < rows; ++j) {
+    basic_.solve_row(rows_[at(j)], by_z_.data());
+    for (Index i = 0; i < rows; ++i) A(i, j) = apply(rows_[at(i)], by_z_.data());
+  }
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const Index i = places_[k].tangent;
+    if (i < given.first_friction || i >= extended_.first_friction) continue;
+    const ContactLaw& law = system_.law(given.contacts[k]);
+    double slip = apply(rows_[at(i)], v_new_.data()) - law.belt;
+    if (places_[k].strikes) slip += law.e_t * (apply(rows_[at(i)], given.before.v.data()) - law.belt);
+    if (!(std::abs(slip) > kStickSpeed * law.unit)) {
+      slip = 0;
+      if (given.z[places_[k].normal] > 0) degenerate_.push_back(given.contacts[k]);
+    }
+    extended_.problem.b[i] = slip - A.row(i).dot(extended_.z);
+  }
+  extended_.problem.A = DenseMatrix(A);
+}
+
+void StepLinearization::set_up(const StepTrace& given) {
+  degenerate_.clear(), consistent_ = true;
+  extend(given);
+  const StepTrace& step = *step_;
   const State& x = step.before;
   const double a = options_.theta, h = step.h;
-  degenerate_.clear(), consistent_ = true;
   q_a_ = x.q + a * h * x.v;
   set_poses(system_, x.t + a * h, q_a_, terms_.at);
   evaluate_forces(system_, x.t + a * h, x.v, terms_);
@@ -100,6 +154,7 @@ void StepLinearization::set_up(const StepTrace& step) {
   for (Index i = 0; i < step.rows; ++i) apply_transposed(rows_[at(i)], step.z[i], force_.data());
   solve();
   v_new_ = x.v + change_;
+  form_extended(given);
 
   sensitivity_.clear();
   if (step.rows > 0) {

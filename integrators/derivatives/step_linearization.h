@@ -57,6 +57,11 @@ class StepLinearization {
   /// Throws std::invalid_argument for what has no derivative here.
   explicit StepLinearization(const System& system, const MoreauJeanOptions& options = {});
 
+  /// From now on contacts with this flag (one a contact, or none) that have no friction have rows for it, with μ = 0:
+  /// derivatives by μ are those of μ → 0+. Their friction is at its bound, against the slip. Where there is no slip, the
+  /// contact is degenerate: it is held without friction.
+  void begin_friction(std::vector<char> begun) { begun_ = std::move(begun); }
+
   void set_up(const StepTrace& step);
   void part_of(const ParameterChange& parameter, StepPart& part);
 
@@ -78,6 +83,9 @@ class StepLinearization {
  private:
   void pull(double* q, double* v, const ImpulseChange* impulses);
   void linearize_rows();
+  /// extended_: the step with rows for friction that begins; its matrix, at v'.
+  void extend(const StepTrace& step);
+  void form_extended(const StepTrace& step);
   /// A row with the impulse `force` in r₁, and the rate J u + by_rate J v in r at `out`.
   void add_row(const Row& row, const RowSlope& slope, double force, const Eigen::VectorXd& u, double by_rate,
                Index out);
@@ -88,6 +96,8 @@ class StepLinearization {
   const System& system_;
   MoreauJeanOptions options_;
   const StepTrace* step_ = nullptr;
+  StepTrace extended_;
+  std::vector<char> begun_;
   Terms terms_;                      // at q_a
   BasicSystem basic_;
   ProjectionLinearization projection_;

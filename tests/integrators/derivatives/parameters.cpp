@@ -174,9 +174,89 @@ mu = 0.2
     if (elastic) CHECK(v.lpNorm<Eigen::Infinity>() > 1);
   }
   const std::string smooth = text.substr(0, text.find("mu = 0.2"));
-  CHECK_THROWS_WITH_AS(differentiate_run(System(from_text(smooth)({})), {parameter(smooth, "contact.f.mu", "", 0)}, {},
-                                         *solver, {.step = 1e-3, .duration = 0.1}),
-                       doctest::Contains("mu must be > 0"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      differentiate_motion(System(from_text(smooth)({})), {parameter(smooth, "contact.f.mu", "", 0)}, {}, *solver, 0.1),
+      doctest::Contains("mu must be > 0"), std::invalid_argument);
+}
+
+TEST_CASE("tangents by mu = 0: friction that begins acts at its bound against the slip, at impacts and in contacts") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "ball"
+mass = 0.7
+inertia = 0.03
+position = [0, 0.5]
+velocity = [1, 0]
+omega = -2
+[[body]]
+name = "block"
+mass = 2
+inertia = 1
+position = [3, 0.1]
+velocity = [1, 0]
+[[contact]]
+name = "floor"
+type = "disc-wall"
+body = "ball"
+radius = 0.2
+wall = {normal = [0, 1]}
+mu = 0
+e_n = 0.6
+e_t = 0.2
+[[contact]]
+name = "heel"
+type = "corner-wall"
+body = "block"
+point = [-0.5, -0.1]
+wall = {normal = [0, 1]}
+mu = 0
+[[contact]]
+name = "toe"
+type = "corner-wall"
+body = "block"
+point = [0.5, -0.1]
+wall = {normal = [0, 1]}
+mu = 0
+)";
+  const auto solver = make_solver("auto");
+  const auto with = [&](double mu) {
+    Scene s = parse_scene(text, {}, "scene");
+    for (Contact& c : s.contacts) std::visit([mu](auto& one) { if constexpr (requires { one.law.mu; }) one.law.mu = mu; }, c);
+    return s;
+  };
+  const Clock clock{.step = 1e-3, .duration = 0.8};
+  const std::vector<RunColumn> columns = {{RunColumn::Kind::tangent, 1}, {RunColumn::Kind::state, 8}};
+  for (const StepScheme& scheme : {StepScheme(MoreauJeanOptions{}), StepScheme(RattleOptions{})}) {
+    const System system(with(0));
+    double push = 0;
+    const RunTangent t = differentiate_run(system, {{"mu", 0, with, -1}}, scheme, *solver, clock, columns,
+                                           [&](double, const Eigen::VectorXd&, const Eigen::MatrixXd& by) {
+                                             push += by(0, 0);
+                                           });
+    REQUIRE(t.run.status == Status::solved);
+    CHECK(t.warnings.size() == 1);  // one-sided
+    CHECK(t.degenerate.empty());
+    State end[3];  // 0, ε, 2ε
+    for (int k = 0; k < 3; ++k) end[k] = run_by(System(with(k * 1e-5)), scheme, *solver, clock).final;
+    const Eigen::VectorXd v = (-1.5 * end[0].v + 2 * end[1].v - 0.5 * end[2].v) / 1e-5;
+    const Eigen::VectorXd q = (-1.5 * end[0].q + 2 * end[1].q - 0.5 * end[2].q) / 1e-5;
+    CHECK((v - t.v.col(0)).lpNorm<Eigen::Infinity>() <= 1e-5 * v.lpNorm<Eigen::Infinity>());
+    CHECK((q - t.q.col(0)).lpNorm<Eigen::Infinity>() <= 1e-5 * q.lpNorm<Eigen::Infinity>());
+    CHECK(std::abs(t.v(3, 0) + 9.81 * 0.8) < 1e-2);  // the block: −g t
+    CHECK(push < -1);
+    const RunAdjoint back =
+        differentiate_run_reverse(system, {{"mu", 0, with, -1}}, scheme, *solver, clock, columns, 2, weigh_last());
+    CHECK(std::abs(back.gradient(1, 0) - t.v(2, 0)) <= 1e-9 * std::abs(t.v(2, 0)));
+  }
+  const auto at_rest = [&](double mu) {
+    Scene s = with(mu);
+    s.bodies[1].velocity = {0, 0};
+    return s;
+  };
+  const RunTangent rest = differentiate_run(System(at_rest(0)), {{"mu", 0, at_rest, -1}}, {}, *solver, clock);
+  CHECK(rest.degenerate.size() == 800);  // contacts without slip
+  CHECK(rest.v(3, 0) == 0);
 }
 
 TEST_CASE("tangents that exceed the range of numbers end with the reason") {
