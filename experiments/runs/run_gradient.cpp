@@ -201,7 +201,11 @@ struct Named {
     else if (method != MoreauJean::kName)
       throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) +
                                   "': must be moreau-jean or rattle" + others);
-    std::visit([&](auto& options) { if (!given.empty()) set_options(options, given); }, scheme);
+    std::visit(
+        [&](auto& options) {
+          if (!given.empty()) set_options(options, given);
+        },
+        scheme);
     return scheme;
   }
   std::string method, given;

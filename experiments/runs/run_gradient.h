@@ -43,8 +43,9 @@ struct GradientOfRun {
 /// std::invalid_argument for what is none of these.
 RunColumn column_of(const Scene& scene, const std::string& name);
 
-/// Forward mode. `of`: columns as above; integrator: "moreau-jean[:theta=…]", "rattle", or "event-driven": of the motion itself
-/// (motion_tangent.h), where a row stands every so many times clock.step. The first row and the last always.
+/// Forward mode. `of`: columns as above; integrator: "moreau-jean[:theta=…]", "rattle", or "event-driven": of the
+/// motion itself (motion_tangent.h), where a row stands every so many times clock.step. The first row and the last
+/// always.
 GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::string>& of,
                               const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                               const Clock& clock);

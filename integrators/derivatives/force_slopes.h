@@ -1,4 +1,4 @@
-// integrators/derivatives/force_slopes.h — stiffness and damping matrices of springs and loads, for a step's derivative.
+// integrators/derivatives/force_slopes.h — stiffness and damping matrices of springs and loads in a step's equations.
 //
 //   r = τ Σ (tension rowᵀ) + Σ (weight_k k + weight_c c) rowᵀ (row · change) − τ loads,   tension at (q, v)
 //   ṙ by q̇ and v̇, as sparse entries; by a parameter, as a part. Without damping of the velocities' own change:
@@ -17,7 +17,7 @@ namespace orthant {
 using SparsePart = std::vector<std::pair<Eigen::Index, double>>;
 
 struct ForceShare {
-  double duration = 0;                           // τ [s]
+  double duration = 0;                              // τ [s]
   double stiffness_weight = 0, damping_weight = 0;  // [s²], [s]
 };
 

@@ -125,7 +125,8 @@ bool ProjectionLinearization::factorize() {
     for (Eigen::Index i = k + 1; i < n; ++i)
       if (std::abs(S_(i, k)) > std::abs(S_(p, k))) p = i;
     if (!(std::abs(S_(p, k)) > smallest)) return false;
-    if (p != k) S_.row(p).swap(S_.row(k)), std::swap(row_[static_cast<std::size_t>(p)], row_[static_cast<std::size_t>(k)]);
+    if (p != k)
+      S_.row(p).swap(S_.row(k)), std::swap(row_[static_cast<std::size_t>(p)], row_[static_cast<std::size_t>(k)]);
     double* const __restrict pivot = S_.data() + n * k;
     pivot[k] = 1 / pivot[k];
     for (Eigen::Index i = k + 1; i < n; ++i) {

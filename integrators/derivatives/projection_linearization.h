@@ -64,8 +64,8 @@ class ProjectionLinearization {
   std::vector<RowSlope> slopes_;
   std::vector<Slope> push_slopes_, rate_slopes_;  // of M⁻¹ G*ᵀ λ and, behind, of ν by q*; of G⁺ v⁺ by q⁺
   bool dense_ = true;
-  DirectionBlock S_;                    // L with unit diagonal, and U, the diagonal inverted
-  std::vector<Eigen::Index> row_;  // of S in row i of S_
+  DirectionBlock S_;                            // L with unit diagonal, and U, the diagonal inverted
+  std::vector<Eigen::Index> row_;               // of S in row i of S_
   DirectionBlock pushed_, wanted_, unordered_;  // blocks of directions
   Eigen::VectorXd force_, off_, x_, left_, none_, unused_, unused_joints_;
 };

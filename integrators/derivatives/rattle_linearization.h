@@ -1,15 +1,15 @@
 // integrators/derivatives/rattle_linearization.h — linearization of a planar step of rattle, its active sets fixed.
 //
-//   The step of rattle.h from (q, v) to (q⁺, v⁺), with μ = h R (z₁), P (z₂), s₁, s₂ of dry friction in joints among
-//   them, C the rows along which −R acts; J₁ = (W_N, W_T, F) at q, J₂ at q⁺:
-//     r₁ = M̂ (u − v) − h/2 f(t, q, v) − Gᵀ Λ₁ − J₁ᵀ z₁ / h = 0,   r₂ = Φ(q⁺) = 0,   q⁺ = q + h u,  M̂ = M + h/2 C    (1)
-//     w₁ = (g_N(q⁺), h (W_T u − belt), h F u),  z₁ of the position stage                                              (2)
-//     r₄ = M (v' − u) − h/2 f(t+h, q⁺, u) − G⁺ᵀ Λ' + Cᵀ z₁ / h = 0,   r₅ = G⁺ v' − ṡ = 0                              (3)
-//     r₇ = M (v⁺ − v') − G⁺ᵀ Λ'' − J₂ᵀ z₂ = 0,   r₈ = G⁺ (v⁺ − v') = 0                                                (4)
-//     w₂ = J₂ v⁺ − target(e, e_T, belt, q, v; where an impact's speed is that at the surface, u, v', q⁺)              (5)
-//   Tangent, in this order: u̇ of (1) at fixed z₁ by skew_saddle.h (G pushes at q, holds at q⁺); ż₁ by sensitivity of
-//   the problem with the exact matrix ∂w₁/∂z₁ (not that of the simplified Newton steps); q̇⁺; v̇⁺ of (3) and (4) at fixed
-//   z₂; ż₂ likewise. The adjoint goes back. Slopes of rows, parameters, weakly active rows: as in step_linearization.h.
+//   The step of rattle.h from (q, v) to (q⁺, v⁺), with μ = h R (z₁), P (z₂), both with joints' dry friction, and C
+//   the rows along which −R acts; J₁ = (W_N, W_T, F) at q, J₂ at q⁺:
+//     r₁ = M̂ (u − v) − h/2 f(t, q, v) − Gᵀ Λ₁ − J₁ᵀ z₁ / h = 0,  r₂ = Φ(q⁺) = 0,  q⁺ = q + h u                 (1)
+//     w₁ = (g_N(q⁺), h (W_T u − belt), h F u),  z₁ of the position stage;  M̂ = M + h/2 C                       (2)
+//     r₄ = M (v' − u) − h/2 f(t+h, q⁺, u) − G⁺ᵀ Λ' + Cᵀ z₁ / h = 0,  r₅ = G⁺ v' − ṡ = 0                        (3)
+//     r₇ = M (v⁺ − v') − G⁺ᵀ Λ'' − J₂ᵀ z₂ = 0,  r₈ = G⁺ (v⁺ − v') = 0                                          (4)
+//     w₂ = J₂ v⁺ − target(e, e_T, belt, q, v; at an impact whose speed is that at the surface: u, v', q⁺)      (5)
+//   Tangent, in this order: u̇ of (1) at fixed z₁ by skew_saddle.h (G pushes at q, holds at q⁺); ż₁ of the problem with
+//   the exact matrix ∂w₁/∂z₁ (not that of the simplified Newton steps); q̇⁺; v̇⁺ of (3) and (4) at fixed z₂; ż₂
+//   likewise (step_sensitivity.h). The adjoint goes back. Slopes of rows, parameters, weakly active rows: step_linearization.h.
 //   The step is computed again from its impulses; where that does not give x⁺ (rows frozen again at an iterate, joints
 //   stiffened, friction that wins against restitution), std::runtime_error reports it.
 //   Cost: two factorizations a step and one of S, then two or three solves for a tangent or an adjoint.
@@ -24,9 +24,9 @@ namespace orthant {
 /// What a step of rattle leaves behind for its derivative.
 struct RattleTrace {
   struct Stage {
-    double normal = 0, tangent = 0, mu = 0;     // impulses: [kg m] of positions, [N s] of velocities
+    double normal = 0, tangent = 0, mu = 0;        // impulses: [kg m] of positions, [N s] of velocities
     bool has_normal = false, has_tangent = false;  // rows
-    bool is_static = false;                     // μ is the static one
+    bool is_static = false;                        // μ is the static one
   };
   struct Contact {
     int contact = 0;
@@ -35,7 +35,7 @@ struct RattleTrace {
   };
   double h = 0;  // [s]
   State before, after;
-  std::vector<Contact> contacts;              // that carry or touch at the end
+  std::vector<Contact> contacts;                         // that carry or touch at the end
   Eigen::VectorXd friction_position, friction_velocity;  // of dry friction in joints
 
   void take(const Rattle& integrator, const State& x, double h, const State& after);
@@ -64,8 +64,8 @@ class RattleLinearization {
  private:
   /// One of the two problems: rows of the contacts that have them, then of dry friction in joints.
   struct Stage {
-    std::vector<Row> push, hold;            // J that pushes; ∂w/∂u or ∂w/∂v⁺, over h or 1
-    std::vector<Index> normal, tangent;     // of each contact of the step; −1: none
+    std::vector<Row> push, hold;              // J that pushes; ∂w/∂u or ∂w/∂v⁺, over h or 1
+    std::vector<Index> normal, tangent;       // of each contact of the step; −1: none
     std::vector<std::pair<int, bool>> mu_of;  // of each friction: its contact, whether μ is the static one
     Index rows = 0, first_friction = 0;
     Lcp problem;
@@ -111,7 +111,7 @@ class RattleLinearization {
   bool any_at_surface_ = false;
   Eigen::VectorXd u_, kick_, free_, pushed_, new_;  // u, u − v, v', v⁺ − v', v⁺
   Eigen::VectorXd lambda_1_, lambda_free_, lambda_push_;
-  std::vector<Row> carry_;                          // C, one a row of the position stage
+  std::vector<Row> carry_;                                    // C, one a row of the position stage
   std::vector<Slope> of_q_, of_v_, of_u_, of_end_, of_free_;  // of all equations
   std::vector<RowSlope> slopes_;
   std::vector<int> degenerate_;

@@ -71,10 +71,9 @@ void RattleLinearization::law_part(const ParameterChange::Law& d, std::size_t k,
   const ContactRows& rows = start_.closed[k].rows;
   double square = 0;
   if (const Index i = velocity_.normal[k]; i >= 0 && d.e != 0)
-    part.emplace_back(at_.w2 + i, d.e * (contact.at_surface ? -speed_at_surface(k, square)
-                                                            : apply(rows.normal, v.data())));
-  if (const Index i = position_.tangent[k]; i >= 0 && d.belt != 0)
-    part.emplace_back(at_.w1 + i, -step_->h * d.belt);
+    part.emplace_back(at_.w2 + i,
+                      d.e * (contact.at_surface ? -speed_at_surface(k, square) : apply(rows.normal, v.data())));
+  if (const Index i = position_.tangent[k]; i >= 0 && d.belt != 0) part.emplace_back(at_.w1 + i, -step_->h * d.belt);
   const Index i = velocity_.tangent[k];
   if (i < 0) return;
   double by = -d.belt;
@@ -123,8 +122,7 @@ void RattleLinearization::moved_contact_part(const ParameterChange& parameter, s
       const double change = apply(row, free_.data()) - before;
       const double before_by = rate_by(row, end, v), free_by = rate_by(row, end, free_);
       if (square > 0)
-        rate -= law.e / speed *
-                (before * before_by + (free_by - before_by) * ahead + change * rate_by(row, end, u_));
+        rate -= law.e / speed * (before * before_by + (free_by - before_by) * ahead + change * rate_by(row, end, u_));
     }
     part.emplace_back(at_.w2 + two, rate);
   }

@@ -22,8 +22,7 @@ void RattleLinearization::linearize_joints() {
     for (const Slope& s : slopes_[at(i)]) of_q_.push_back({s.of, s.by, -lambda_1_[i] * s.value});
     each_entry(end_.G[at(i)], [&](Index place, double j) { of_q_.push_back({at_.r2 + i, place, j}); });
   }
-  for (std::size_t j = 0; j < joints.size(); ++j)
-    slopes_of(joints[j], end_.at, slopes_.data() + system_.first_row(j));
+  for (std::size_t j = 0; j < joints.size(); ++j) slopes_of(joints[j], end_.at, slopes_.data() + system_.first_row(j));
   for (Index i = 0; i < rows; ++i)
     for (const Slope& s : slopes_[at(i)]) {
       of_end_.push_back({at_.r4 + s.of, s.by, -lambda_free_[i] * s.value});
@@ -52,8 +51,9 @@ void RattleLinearization::linearize_contacts() {
           if (part == 1) of_q_.push_back({at_.w1 + position, s.by, h * u_[s.of] * s.value});
         }
         if (part == 0)
-          each_entry(end_.closed[k].rows.normal,
-                     [&](Index place, double j) { of_q_.push_back({at_.w1 + position, place, j}); });
+          each_entry(end_.closed[k].rows.normal, [&](Index place, double j) {
+            of_q_.push_back({at_.w1 + position, place, j});
+          });
         const bool back = step.contacts[k].rebounds;
         for (const Slope& s : (back ? start : end)[part])
           (back ? of_q_ : of_end_).push_back({at_.r4 + s.of, s.by, carried * s.value});
@@ -97,8 +97,7 @@ void RattleLinearization::linearize_targets(std::size_t k, const std::array<RowS
   add_rate(of_free_, row, by * ahead, normal);
   for (const Slope& s : at_end[0])
     of_end_.push_back(
-        {at_.w2 + row, s.by,
-         by * s.value * (before * v[s.of] + (free_[s.of] - v[s.of]) * ahead + change * u_[s.of])});
+        {at_.w2 + row, s.by, by * s.value * (before * v[s.of] + (free_[s.of] - v[s.of]) * ahead + change * u_[s.of])});
 }
 
 void RattleLinearization::linearize_frictions() {

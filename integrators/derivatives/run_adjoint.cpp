@@ -27,8 +27,8 @@ template <class Options> class Adjoint {
   using Trace = typename Linearization::Trace;
 
  public:
-  Adjoint(const System& system, const std::vector<RunParameter>& parameters, const Options& options,
-          const Clock& clock, const std::vector<RunColumn>& columns, Index scalars, const RecordWeights& weights)
+  Adjoint(const System& system, const std::vector<RunParameter>& parameters, const Options& options, const Clock& clock,
+          const std::vector<RunColumn>& columns, Index scalars, const RecordWeights& weights)
       : system_(system),
         options_(options),
         clock_(clock),

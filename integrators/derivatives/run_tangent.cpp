@@ -4,10 +4,10 @@ namespace orthant {
 
 namespace {
 
-template <class Options>
-RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>& parameters, const Options& options,
-                          Solver& solver, const Clock& clock, const std::vector<RunColumn>& columns,
-                          const TangentRecorder& record) {
+template <class Options> RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>& parameters,
+                                                   const Options& options, Solver& solver, const Clock& clock,
+                                                   const std::vector<RunColumn>& columns,
+                                                   const TangentRecorder& record) {
   using Scheme = StepSchemeOf<Options>;
   check(clock);
   const auto count = static_cast<Index>(parameters.size());
@@ -91,9 +91,7 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
                              const StepScheme& scheme, Solver& solver, const Clock& clock,
                              const std::vector<RunColumn>& columns, const TangentRecorder& record) {
   return std::visit(
-      [&](const auto& options) {
-        return tangent_of_run(system, parameters, options, solver, clock, columns, record);
-      },
+      [&](const auto& options) { return tangent_of_run(system, parameters, options, solver, clock, columns, record); },
       scheme);
 }
 

@@ -88,7 +88,8 @@ void SkewSaddle::find(const Eigen::VectorXd& f, const std::vector<Row>& push, co
     return;
   }
   force_.setZero();
-  for (Eigen::Index i = 0; i < joints; ++i) apply_transposed(push[static_cast<std::size_t>(i)], lambda[i], force_.data());
+  for (Eigen::Index i = 0; i < joints; ++i)
+    apply_transposed(push[static_cast<std::size_t>(i)], lambda[i], force_.data());
   free(force_, step_);
   x += step_;
 }

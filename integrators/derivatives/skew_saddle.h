@@ -1,4 +1,4 @@
-// integrators/derivatives/skew_saddle.h — nonsymmetric saddle-point system: joints that push at one pose, hold at another.
+// integrators/derivatives/skew_saddle.h — saddle-point system of joints that push at one pose and hold at another.
 //
 //   M̂ x = f + Gᵀ λ,   G⁺ x = c:   S λ = c − G⁺ M̂⁻¹ f,  S = G⁺ M̂⁻¹ Gᵀ,  M̂ as factorized (basic_system.h)
 //   adjoint of x, x̄:  M̂ f̄ = x̄ − G⁺ᵀ κ,  G f̄ = 0,  c̄ = κ

@@ -10,8 +10,8 @@ void StartLinearization::set_up(const State& given, const State& closed) {
   constexpr double kSame = 1e-8;  // of the state: what one projection leaves
   State between = closed;
   between.v = given.v;
-  const double missed = std::max(places_.set_up(closed.t, given.q, given.v, between),
-                                 rates_.set_up(closed.t, closed.q, given.v, closed));
+  const double missed =
+      std::max(places_.set_up(closed.t, given.q, given.v, between), rates_.set_up(closed.t, closed.q, given.v, closed));
   if (!(missed <= kSame))
     throw std::invalid_argument("derivatives of a run: the start breaks the joints, by " + detail::text_of(missed) +
                                 " more than one projection closes: must keep them");

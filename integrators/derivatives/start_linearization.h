@@ -10,9 +10,7 @@ namespace orthant {
 
 class StartLinearization {
  public:
-  explicit StartLinearization(const System& system) : places_(system), rates_(system) {
-    unused_.setZero(system.dof());
-  }
+  explicit StartLinearization(const System& system) : places_(system), rates_(system) { unused_.setZero(system.dof()); }
 
   /// From the state `given` to `closed`. Throws std::invalid_argument for a start that one projection does not close.
   void set_up(const State& given, const State& closed);

@@ -5,7 +5,7 @@
 //     w = r₃ = J v' − target (e, e_T, belt),  z of the complementarity problem                                     (2)
 //     (q* = q + h (θ v' + (1−θ) v), v') → (q⁺, v⁺): the projection (3) of projection_linearization.h
 //   Tangent of (q̇, v̇, ṗ): ρ = (r₁, r₂, r₃)˙ at fixed v', Λ_G, z;
-//     (x, ·) = K⁻¹ (−ρ₁, −ρ₂),  ẇ₀ = J x + ρ₃,  ż by sensitivity (solvers/derivatives/sensitivity.h),  v̇' = x + B Jᵀ ż
+//     (x, ·) = K⁻¹ (−ρ₁, −ρ₂),  ẇ₀ = J x + ρ₃,  ż by step_sensitivity.h,  v̇' = x + B Jᵀ ż
 //   with K⁻¹ and B of basic_system.h. Adjoint of v̄' and z̄, in the reverse order:
 //     β, lō, hī, μ̄ of z̄ + J B v̄';  (x, λ) = K⁻¹ (v̄' + Jᵀ β, 0),  ρ̄ = (−x, λ, β)
 //   So impulses, stick and slip, restitution and joints are differentiated implicitly. ρ by state is exact: the rows'
@@ -14,7 +14,8 @@
 //   has one-sided ones only (degenerate), of which tangent and adjoint hold the rows at their bounds.
 //   The step is computed again from its impulses; where that does not give x⁺ (impacts by another law than Newton's,
 //   joint friction that depends on loads, sleep, stiffened joints), std::runtime_error reports it.
-//   Cost: two factorizations a step, then three solves for a tangent or an adjoint.
+//   Cost: two factorizations a step, then two or three solves for a tangent or an adjoint. Tangents of all parameters
+//   are the columns of one block: rows and slopes are read once.
 #pragma once
 
 #include <orthant/core/lcp/judge/certify.h>
@@ -58,7 +59,7 @@ class StepLinearization {
   explicit StepLinearization(const System& system, const MoreauJeanOptions& options = {});
 
   /// From now on contacts with this flag (one a contact, or none) that have no friction have rows for it, with μ = 0:
-  /// derivatives by μ are those of μ → 0+. Their friction is at its bound, against the slip. Where there is no slip, the
+  /// derivatives by μ are those of μ → 0+. Friction is at its bound, against the slip. Where there is no slip, the
   /// contact is degenerate: it is held without friction.
   void begin_friction(std::vector<char> begun) { begun_ = std::move(begun); }
 
@@ -98,7 +99,7 @@ class StepLinearization {
   const StepTrace* step_ = nullptr;
   StepTrace extended_;
   std::vector<char> begun_;
-  Terms terms_;                      // at q_a
+  Terms terms_;  // at q_a
   BasicSystem basic_;
   ProjectionLinearization projection_;
   std::vector<Row> rows_;                     // of the problem

@@ -55,8 +55,7 @@ bool StepSensitivity::place(const Solution& s) {
     const double radius = f.mu * s.z[f.normal], force = std::abs(s.z[f.first]), slip = std::abs(s.w[f.first]);
     const double inside = weight_[at(f.first)] * (radius - force);
     const bool open = at_[at(f.normal)] == At::lower && problem.lo[f.normal] == 0;
-    const bool none =
-        f.mu == 0 || open || !(radius > 0) || !(force > 0 || weight_[at(f.first)] * radius > threshold);
+    const bool none = f.mu == 0 || open || !(radius > 0) || !(force > 0 || weight_[at(f.first)] * radius > threshold);
     normal_force_.push_back(s.z[f.normal]);
     drags_.push_back(0);
     if (slip > threshold && (none || inside <= threshold))

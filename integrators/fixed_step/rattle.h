@@ -73,7 +73,7 @@ template <class Space> class RattleOf final : public TwoLevelOf<Space> {
   using TwoLevelOf<Space>::rate_;
   using TwoLevelOf<Space>::lambda_;
 
-  bool half_kick(double h, const State& x, StepReport& report);  // path_ predicted, without contacts
+  bool half_kick(double h, const State& x, StepReport& report);   // path_ predicted, without contacts
   bool other_half(double h, const State& x, StepReport& report);  // v_ without P
   void predict(double h, const State& x);                         // path_ = h u, of force_
   /// Space: predict(), repeated until turning_ is that of u.

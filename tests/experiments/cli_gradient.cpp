@@ -72,7 +72,8 @@ TEST_CASE("orthant gradient refuses in one line; steps with weakly active contac
   const Cli folder;
   for (const std::string arguments :
        {"gradient slider_crank --of crank.gap --wrt mu", "gradient slider_crank --of crank.theta --wrt nu",
-        "gradient slider_crank --of crank.theta --wrt mu --integrator adaptive", "gradient masse --of ball.x --wrt mu"}) {
+        "gradient slider_crank --of crank.theta --wrt mu --integrator adaptive",
+        "gradient masse --of ball.x --wrt mu"}) {
     CAPTURE(arguments);
     const Reply a = folder.orthant(arguments);
     CHECK(a.exit_code == 1);

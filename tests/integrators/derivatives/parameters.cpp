@@ -222,7 +222,12 @@ mu = 0
   const auto solver = make_solver("auto");
   const auto with = [&](double mu) {
     Scene s = parse_scene(text, {}, "scene");
-    for (Contact& c : s.contacts) std::visit([mu](auto& one) { if constexpr (requires { one.law.mu; }) one.law.mu = mu; }, c);
+    for (Contact& c : s.contacts)
+      std::visit(
+          [mu](auto& one) {
+            if constexpr (requires { one.law.mu; }) one.law.mu = mu;
+          },
+          c);
     return s;
   };
   const Clock clock{.step = 1e-3, .duration = 0.8};
@@ -230,10 +235,9 @@ mu = 0
   for (const StepScheme& scheme : {StepScheme(MoreauJeanOptions{}), StepScheme(RattleOptions{})}) {
     const System system(with(0));
     double push = 0;
-    const RunTangent t = differentiate_run(system, {{"mu", 0, with, -1}}, scheme, *solver, clock, columns,
-                                           [&](double, const Eigen::VectorXd&, const Eigen::MatrixXd& by) {
-                                             push += by(0, 0);
-                                           });
+    const RunTangent t =
+        differentiate_run(system, {{"mu", 0, with, -1}}, scheme, *solver, clock, columns,
+                          [&](double, const Eigen::VectorXd&, const Eigen::MatrixXd& by) { push += by(0, 0); });
     REQUIRE(t.run.status == Status::solved);
     CHECK(t.warnings.size() == 1);  // one-sided
     CHECK(t.degenerate.empty());

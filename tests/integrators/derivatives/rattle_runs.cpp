@@ -11,7 +11,7 @@ const StepScheme kByRattle = RattleOptions{};
 
 }  // namespace
 
-TEST_CASE("tangent of a run of rattle: the slider-crank with clearance, by mu, e, speed and clearance, through impacts") {
+TEST_CASE("tangent of a run of rattle: the slider-crank by mu, e and clearance, through impacts") {
   const MakeScene make = [](const std::vector<std::string>& sets) { return make_scene("slider_crank", sets); };
   const RunTangent t = check_tangents(make, {{"mu", 0.01, 1e-5}, {"e", 0.4, 1e-5}, {"clearance", 0.001, 1e-5}},
                                       {.step = 1e-4, .duration = 0.03}, 1e-6, kByRattle);
@@ -28,7 +28,7 @@ TEST_CASE("tangent of a run of rattle: masses, inertias, lengths of the slider-c
                  {.step = 1e-4, .duration = 0.02}, 1e-6, kByRattle);
 }
 
-TEST_CASE("tangent of a run of rattle: springs, dampers, dry friction in a joint, tangential restitution, a moving belt") {
+TEST_CASE("tangent of a run of rattle: springs, dampers, joint friction, tangential restitution, a belt") {
   const std::string& text = kArmAndBall;
   check_tangents(from_text(text),
                  {{"spring.coil.stiffness", 30},
@@ -48,13 +48,13 @@ TEST_CASE("tangent of a run of rattle: springs, dampers, dry friction in a joint
                  {.step = 1e-3, .duration = 0.8}, 1e-6, kByRattle);
 }
 
-TEST_CASE("adjoint of a run of rattle: the slider-crank through its impacts, states, gaps and impulses of many records") {
+TEST_CASE("adjoint of a run of rattle: the slider-crank through impacts; states, gaps and impulses") {
   check_reverse(slider_crank_text(), slider_crank_parameters(), {.step = 1e-4, .duration = 0.0301, .every = 7},
                 {{Kind::state, 2}, {Kind::state, 14}, {Kind::gap, 2}, {Kind::normal, 0}, {Kind::tangent, 3}}, 1e-7,
                 kByRattle);
 }
 
-TEST_CASE("adjoint of a run of rattle: springs, dampers, a drive, dry friction, loads, a belt, tangential restitution") {
+TEST_CASE("adjoint of a run of rattle: springs, dampers, a drive, joint friction, loads, a belt") {
   const std::string& text = kArmBallAndFlap;
   check_reverse(text,
                 parameters_by_keys(text, {{"spring.coil.stiffness", 30},

@@ -46,7 +46,7 @@ inline Run run_by(const System& system, const StepScheme& scheme, Solver& solver
 
 /// The tangents of all keys, and central differences of runs.
 inline RunTangent check_tangents(const MakeScene& make, const std::vector<TangentTrial>& trials, const Clock& clock,
-                          double tolerance, const StepScheme& scheme = {}) {
+                                 double tolerance, const StepScheme& scheme = {}) {
   std::vector<RunParameter> parameters;
   for (const TangentTrial& trial : trials)
     parameters.push_back({trial.key, trial.value, [&](double x) { return make({override_text(trial.key, x)}); }});
@@ -80,7 +80,7 @@ inline Scene with_value(const std::string& text, const std::string& key, double 
 }
 
 inline std::vector<RunParameter> parameters_by_keys(const std::string& text,
-                                             const std::vector<std::pair<std::string, double>>& keys) {
+                                                    const std::vector<std::pair<std::string, double>>& keys) {
   std::vector<RunParameter> parameters;
   for (const auto& [key, value] : keys)
     parameters.push_back({key, value, [text, key = key](double x) { return with_value(text, key, x); }, -1});
@@ -88,8 +88,9 @@ inline std::vector<RunParameter> parameters_by_keys(const std::string& text,
 }
 
 /// Scalars with weights that differ from record to record, by both modes.
-inline RunAdjoint check_reverse(const std::string& text, const std::vector<RunParameter>& parameters, const Clock& clock,
-                         const std::vector<RunColumn>& columns, double tolerance, const StepScheme& scheme = {}) {
+inline RunAdjoint check_reverse(const std::string& text, const std::vector<RunParameter>& parameters,
+                                const Clock& clock, const std::vector<RunColumn>& columns, double tolerance,
+                                const StepScheme& scheme = {}) {
   const System system(parse_scene(text, {}, "scene"));
   const auto solver = make_solver("auto");
   const auto weights = [](long record, bool last, Eigen::MatrixXd& W) {
@@ -172,7 +173,9 @@ e_t = 0.2
 belt = 1.5
 )";
 
-inline std::string slider_crank_text() { return scene_texts::contents(scene_texts::kCore / "scenes/slider_crank.toml"); }
+inline std::string slider_crank_text() {
+  return scene_texts::contents(scene_texts::kCore / "scenes/slider_crank.toml");
+}
 
 inline std::vector<RunParameter> slider_crank_parameters() {
   auto parameters = parameters_by_keys(slider_crank_text(), {{"body.rod.mass", 0.038},
