@@ -9,7 +9,7 @@
 //     w₂ = J₂ v⁺ − target(e, e_T, belt, q, v; at an impact whose speed is that at the surface: u, v', q⁺)      (5)
 //   Tangent, in this order: u̇ of (1) at fixed z₁ by skew_saddle.h (G pushes at q, holds at q⁺); ż₁ of the problem with
 //   the exact matrix ∂w₁/∂z₁ (not that of the simplified Newton steps); q̇⁺; v̇⁺ of (3) and (4) at fixed z₂; ż₂
-//   likewise (step_sensitivity.h). The adjoint goes back. Slopes of rows, parameters, weakly active rows: step_linearization.h.
+//   likewise (step_sensitivity.h). The adjoint goes back. Slopes, parameters, weak rows: step_linearization.h.
 //   The step is computed again from its impulses; where that does not give x⁺ (rows frozen again at an iterate, joints
 //   stiffened, friction that wins against restitution), std::runtime_error reports it.
 //   Cost: two factorizations a step and one of S, then two or three solves for a tangent or an adjoint.
