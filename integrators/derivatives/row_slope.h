@@ -11,7 +11,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <type_traits>
 
 namespace orthant {
 
@@ -37,20 +36,15 @@ void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& 
 void slope_of(const Coordinate& coordinate, Kinematics& at, RowSlope& slope);
 void slope_of(const Spring& spring, Kinematics& at, RowSlope& slope);
 
-/// y += a x, of one row of a block. Few columns: lengths that the compiler knows cost a third.
-inline void add_scaled(Eigen::Index count, double a, const double* __restrict x, double* __restrict y) {
-  if (count == 1) {
-    *y += a * *x;
-    return;
-  }
-  const auto add = [a, &x, &y]<int n>(std::integral_constant<int, n>) {
-    for (int j = 0; j < n; ++j) y[j] += a * x[j];
-    x += n, y += n;
-  };
-  for (; count >= 8; count -= 8) add(std::integral_constant<int, 8>{});
-  if ((count & 4) != 0) add(std::integral_constant<int, 4>{});
-  if ((count & 2) != 0) add(std::integral_constant<int, 2>{});
-  if ((count & 1) != 0) add(std::integral_constant<int, 1>{});
+template <int n> inline void add_scaled_fixed(double a, const double* x, double* y) {
+  Eigen::Map<Eigen::Array<double, n, 1>>{y} += a * Eigen::Map<const Eigen::Array<double, n, 1>>{x};
+}
+/// y += a x, of one row of a block. Few columns: the compiler knows the lengths.
+inline void add_scaled(Eigen::Index count, double a, const double* x, double* y) {
+  for (; count >= 8; count -= 8, x += 8, y += 8) add_scaled_fixed<8>(a, x, y);
+  if ((count & 4) != 0) add_scaled_fixed<4>(a, x, y), x += 4, y += 4;
+  if ((count & 2) != 0) add_scaled_fixed<2>(a, x, y), x += 2, y += 2;
+  if ((count & 1) != 0) *y += a * *x;
 }
 
 inline void apply(const std::vector<Slope>& slopes, const double* x, double* y) {
