@@ -1,6 +1,7 @@
 #include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/judge/certify_sums.h>
 #include <orthant/core/lcp/judge/exact.h>
+#include <orthant/core/lcp/judge/row_rule.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,33 +12,13 @@
 namespace orthant {
 namespace {
 
-using detail::kEpsilon, detail::kLeastNormal, detail::kProducts, detail::kRounding;
-constexpr double kRoundings = 20;  // units in the last place that `rounded` may change
+using detail::against, detail::limit_of_rounded, detail::limit_of_solved, detail::nearest_to_zero, detail::wrong_by;
+using detail::kDouble, detail::kEpsilon, detail::kLeastNormal, detail::kLong, detail::kProducts, detail::kRoundings,
+    detail::kSure;
 constexpr double kMost = std::numeric_limits<double>::max();
-constexpr double kCoarse = 1e-4;                  // of β_P: a larger violation is worth another attempt
-constexpr Index kExactOperator = 400;             // rows of an operator up to which a w_i is summed in rationals
-constexpr double kFormed = 7e7;                   // products up to which an operator's entries are formed
-constexpr double kSure = 1 - 0x1p-20;             // limits are sums of doubles themselves
-constexpr double kDouble = 0.505 * kEpsilon;      // error of an operation, over its result
-constexpr long double kLong = 1.01L * kRounding;  // the same in long double
-
-double nearest_to_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
-
-/// v_i where it is positive: how far w is on the wrong side.
-///   lo = 0, hi = ∞:   z = 0, w = −2: 2.   z = 0, w = 3: −3.   z = 1, w = 3: 3.   z = −1: ∞.
-template <class T> T wrong_by(double z, T w, double lo, double hi) {
-  if (!(lo <= z && z <= hi && std::abs(z) < kInf)) return kInf;
-  if (lo == hi) return -kInf;
-  if (z == lo) return -w;
-  if (z == hi) return w;
-  return std::abs(w);
-}
-
-/// The limit of v_i for solved.   tol = 1e-10, s = 5, β = 2: 2e-10.   s = 1e-3: 1e-13.
-double limit_of_solved(double tolerance, double s, double beta) { return tolerance * std::min(s, beta); }
-
-/// The limit of v_i for rounded.   s = 1e9: 4.4e-6.
-double limit_of_rounded(double s) { return kRoundings * kEpsilon * s; }
+constexpr double kCoarse = 1e-4;       // of β_P: a larger violation is worth another attempt
+constexpr Index kExactOperator = 400;  // rows of an operator up to which a w_i is summed in rationals
+constexpr double kFormed = 7e7;        // products up to which an operator's entries are formed
 
 /// w_i in rationals.
 exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
@@ -64,19 +45,9 @@ exact::Rational exact_w(const Lcp& problem, Index i, const Vector& z) {
   return w;
 }
 
-/// v_i where it is positive, summed in rationals. What is smaller than any double is no zero.
+/// v_i where it is positive, summed in rationals.
 double exactly_wrong_by(const Lcp& problem, Index i, const Vector& z, double lo, double hi) {
-  const exact::Rational w = exact_w(problem, i, z);
-  const exact::Rational v = z[i] == lo ? exact::Rational(-w) : z[i] == hi ? w : exact::Rational(abs(w));
-  const double nearest = exact::nearest(v);
-  return nearest == 0 && v > 0 ? std::numeric_limits<double>::denorm_min() : nearest;
-}
-
-Miss::Against against(double z, double lo, double hi) {
-  return !(lo <= z && z <= hi && std::abs(z) < kInf) ? Miss::Against::outside
-         : z == lo                                   ? Miss::Against::lower
-         : z == hi                                   ? Miss::Against::upper
-                                                     : Miss::Against::inside;
+  return detail::exactly_wrong_by(exact_w(problem, i, z), z[i], lo, hi);
 }
 
 }  // namespace
