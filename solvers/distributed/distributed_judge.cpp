@@ -21,17 +21,20 @@ exact::Rational exact_sum(const DistributedLcp& problem, Index i, const Vector& 
   return w;
 }
 
-/// On all ranks that of the rank with the largest ratio, the lowest such rank.
+/// On all ranks that of the rank with the largest ratio, the last such rank.
 Miss furthest(MPI_Comm comm, const Miss& own, double ratio) {
   struct {
     double ratio;
     int rank;
   } mine{ratio, 0}, worst{};
-  MPI_Comm_rank(comm, &mine.rank);
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  mine.rank = ranks - 1 - rank;  // of equal ones MPI takes the lowest
   MPI_Allreduce(&mine, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm);
   std::array<double, 5> parts{static_cast<double>(own.row), static_cast<double>(own.against), own.by, own.allowed,
                               own.tolerance};
-  MPI_Bcast(parts.data(), 5, MPI_DOUBLE, worst.rank, comm);
+  MPI_Bcast(parts.data(), 5, MPI_DOUBLE, ranks - 1 - worst.rank, comm);
   return {static_cast<Index>(parts[0]), static_cast<Miss::Against>(static_cast<int>(parts[1])), parts[2], parts[3],
           parts[4]};
 }
@@ -226,7 +229,7 @@ double DistributedJudge::limit_of_underflow(Index i) const {
 
 /// With the final β: rounded, or how far the worst row is off.
 void DistributedJudge::finish(const Vector& z, double tolerance, bool solved, double data, Verdict& verdict) {
-  enum { passes, rounded, no };
+  constexpr int passes = 0, rounded = 1, no = 2;
   int pass = passes;
   std::array<Miss, 3> misses;
   std::array<double, 3> worst{};
@@ -246,7 +249,7 @@ void DistributedJudge::finish(const Vector& z, double tolerance, bool solved, do
     const double ratio = limit > 0 && by < kInf ? by / limit : kInf;
     pass = std::max(pass, row_pass);
     auto& worst_yet = worst[static_cast<std::size_t>(row_pass)];
-    if (!(ratio > worst_yet)) continue;
+    if (!(ratio >= worst_yet)) continue;
     worst_yet = ratio;
     misses[static_cast<std::size_t>(row_pass)] = {
         problem_.first() + i, against(z[i], problem_.lo()[i], problem_.hi()[i]), by, allowed, tolerance};
@@ -255,12 +258,13 @@ void DistributedJudge::finish(const Vector& z, double tolerance, bool solved, do
   std::array<double, 3> all{};
   MPI_Allreduce(own.data(), all.data(), 3, MPI_DOUBLE, MPI_MAX, problem_.comm());
   verdict.residual = all[1];
-  verdict.status = all[0] == passes    ? Status::solved
-                   : all[0] == rounded ? Status::rounded
-                   : all[2] == 0       ? Status::stalled
-                                       : Status::numerical_error;
-  if (all[0] == passes) return;
-  const auto kind = static_cast<std::size_t>(all[0]);
+  const auto worst_pass = static_cast<int>(all[0]);
+  verdict.status = worst_pass == passes    ? Status::solved
+                   : worst_pass == rounded ? Status::rounded
+                   : all[2] == 0           ? Status::stalled
+                                           : Status::numerical_error;
+  if (worst_pass == passes) return;
+  const auto kind = static_cast<std::size_t>(worst_pass);
   verdict.miss = furthest(problem_.comm(), misses[kind], worst[kind]);
 }
 

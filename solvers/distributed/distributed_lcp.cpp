@@ -116,7 +116,19 @@ DistributedLcp DistributedLcp::from(MPI_Comm comm, const Lcp& problem) {
 
 void DistributedLcp::make_matrix() {
   const auto m = static_cast<PetscInt>(rows_.A.rows), n = static_cast<PetscInt>(n_);
-  const RowSparse& A = rows_.A;
+  RowSparse A;  // with all of the diagonal, where zeros are missing: V of a semismooth method has it
+  for (Index i = 0; i < rows_.A.rows; ++i) {
+    const Index own = rows_.first + i;
+    bool there = false;
+    const auto put = [&](Index j, double value) { A.column.push_back(static_cast<int>(j)), A.value.push_back(value); };
+    rows_.A.for_each_in_row(i, [&](Index j, double value) {
+      if (j > own && !there) put(own, 0);
+      there = there || j >= own;
+      put(j, value);
+    });
+    if (!there) put(own, 0);
+    A.start.push_back(static_cast<int>(A.column.size()));
+  }
   require(MatCreate(comm_, matrix_.out()));
   require(MatSetSizes(matrix_, m, m, n, n));
   require(MatSetType(matrix_, MATAIJ));

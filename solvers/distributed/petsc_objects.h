@@ -6,6 +6,7 @@
 #pragma once
 
 #include <petscksp.h>
+#include <petscsf.h>
 
 #include <stdexcept>
 #include <string>
