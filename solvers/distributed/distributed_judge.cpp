@@ -169,6 +169,7 @@ bool DistributedJudge::spreads_to_solved(const Vector& z, double tolerance, int&
   for (Index i = m; i < all; ++i) beta_[i] = 0;
   for (Index i = 0; i < m; ++i)
     if (beta_[i] > 0) push(i);
+  spread_within_rank();  // what an exchange then leaves as it was is final
   Vector& before = bounds_;
   while (true) {
     ++rounds;

@@ -98,12 +98,17 @@ void Krylov::set_up() {
   if (type == KSPCG) require(KSPSetNormType(ksp_, KSP_NORM_UNPRECONDITIONED));
   PC object = nullptr;
   require(KSPGetPC(ksp_, &object));
-  require(PCSetType(object, pc));
-  if (std::string_view(pc) == PCLU) {
-    int ranks = 1;
-    MPI_Comm_size(comm_, &ranks);
-    require(PCFactorSetMatSolverType(object, ranks == 1 ? MATSOLVERUMFPACK : MATSOLVERMUMPS));
+  int ranks = 1;
+  MPI_Comm_size(comm_, &ranks);
+  const bool lu = std::string_view(pc) == PCLU, everywhere = lu && is_small_ && ranks > 1;
+  require(PCSetType(object, everywhere ? PCREDUNDANT : pc));
+  if (everywhere) {
+    KSP inner = nullptr;
+    require(PCRedundantGetKSP(object, &inner));
+    require(KSPGetPC(inner, &object));
+    require(PCSetType(object, PCLU));
   }
+  if (lu) require(PCFactorSetMatSolverType(object, ranks == 1 || everywhere ? MATSOLVERUMFPACK : MATSOLVERMUMPS));
   if (std::string_view(pc) == PCASM) require(PCASMSetOverlap(object, 1));
   require(KSPConvergedDefaultCreate(&default_test_));
   require(KSPSetConvergenceTest(ksp_, converged, this, [](void* context) {
@@ -141,7 +146,7 @@ bool Krylov::solve(Vec r, Vec x, double rtol) {
     } catch (const PetscError& error) {
       why_ = words() + ": " + error.what();
     }
-    if (stopped_) return false;
+    if (stopped_) break;
   }
   index = std::min(tried_from, list.size() - 1);  // another matrix may be one that it can
   is_set_up_ = false;

@@ -1,8 +1,10 @@
 // solvers/distributed/krylov.h — Krylov method with preconditioner of PETSc for one matrix after another.
 //
-//   B x = r to ‖r − B x‖₂ ≤ rtol ‖r‖₂. Automatic choice, each tried until one succeeds; what has failed is not tried
-//   again: up to 1000 rows LU;  A = Aᵀ: conjugate gradients, algebraic multigrid (hypre's BoomerAMG, else GAMG);
-//   GMRES(100) with the same;  LU (UMFPACK on one rank, MUMPS on several) up to 200 000 rows.
+//   B x = r to ‖r − B x‖₂ ≤ rtol ‖r‖₂. Automatic choice, the next one where one fails:
+//     up to 1000 rows   LU of the whole matrix on each rank (UMFPACK)
+//     B = Bᵀ            conjugate gradients, algebraic multigrid (hypre's BoomerAMG, else GAMG)
+//     else              GMRES(100) with the same;  LU (UMFPACK on one rank, MUMPS on several) up to 200 000 rows
+//   The next matrix begins with what has succeeded.
 //   PETSc's options database may change both, with the prefix orthant_: -orthant_pc_hypre_boomeramg_strong_threshold 0.5
 //   Source: Saad, Iterative Methods for Sparse Linear Systems (2003); Henson & Yang, Appl. Numer. Math. 41 (2002).
 #pragma once

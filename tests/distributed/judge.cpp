@@ -64,7 +64,7 @@ TEST_CASE("distributed judge: as the judge of one process on random problems, ne
       Vector moved = z;
       for (Index i = 0; i < moved.size(); ++i)
         if (moved[i] != problem.lo[i] && moved[i] != problem.hi[i]) moved[i] *= 1 + off * random.uniform(-1, 1);
-      for (const double tolerance : {1e-10, 1e-14}) {
+      for (const double tolerance : {1e-10, 1e-14, 1e-17}) {
         const Status status = compare(problem, moved, tolerance);
         ++seen[status == Status::solved ? 0 : status == Status::rounded ? 1 : 2];
       }
@@ -128,7 +128,7 @@ TEST_CASE("distributed judge: a permuted chain needs one round a crossing and no
   const Index n = 48;
   const Lcp ordered = chain(n, -1);
   std::vector<int> place;  // 0, 24, 1, 25, …: with two ranks each link crosses
-  for (int i = 0; i < n; ++i) place.push_back(i % 2 * (n / 2) + i / 2);
+  for (Index i = 0; i < n; ++i) place.push_back(static_cast<int>(i % 2 * (n / 2) + i / 2));
   Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
   std::vector<Eigen::Triplet<double>> entries;
   for_each_entry(ordered.A,
