@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include "experiments/studies/distributed/grids.h"
+
 #include "tests/distributed/parts.h"
 
 #include <string>
@@ -62,6 +64,31 @@ TEST_CASE("distributed rows: products as of the whole matrix, bit by bit; halo o
   CHECK(rows.neighbours() == (ranks_of_all() == 1                                           ? 0
                               : rank_of_this() == 0 || rank_of_this() == ranks_of_all() - 1 ? 1
                                                                                             : 2));
+}
+
+TEST_CASE("distributed rows: grids assembled a rank at a time are those of one process") {
+  const Index side = 12;
+  const std::array whole{ball_obstacle(side + 1).problem, journal_bearing(side, side),
+                         elastic_plastic_torsion(side, side), space_obstacle(side + 1).problem};
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    const Lcp& problem = whole[k];
+    const auto grid = static_cast<Grid>(k);
+    REQUIRE(rows_of_grid(grid, side) == problem.size());
+    const Index first = problem.size() * rank_of_this() / ranks_of_all(), m = problem.size() / ranks_of_all();
+    const LocalRows part = part_of_grid(grid, side, first, m);
+    double worst = 0;
+    for (Index i = 0; i < m; ++i) {
+      const auto off = [&](double x, double y) { worst = std::max(worst, x == y ? 0 : std::abs(x - y)); };
+      off(part.b[i], problem.b[first + i]);
+      off(part.lo[i], problem.lo[first + i]);
+      off(part.hi[i], problem.hi[first + i]);
+      double entries = 0, own = 0;
+      for_each_in_row(problem.A, first + i, [&](Index, double) { ++entries; });
+      part.A.for_each_in_row(i, [&](Index j, double value) { ++own, off(value, entry(problem.A, first + i, j)); });
+      CHECK(entries == own);
+    }
+    CHECK(worst < 1e-11);
+  }
 }
 
 TEST_CASE("distributed rows: symmetry is seen, and one unsymmetric entry too") {

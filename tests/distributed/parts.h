@@ -4,6 +4,7 @@
 #include <orthant/core/support/random.h>
 #include <orthant/solvers/distributed/distributed_lcp.h>
 
+#include <cmath>
 #include <vector>
 
 namespace orthant::distributed {

@@ -21,12 +21,8 @@ template <class Exact> void ball_row(Index side, int dimension, Index row, const
   const double h = 4 / static_cast<double>(side + 1), per_h2 = 1 / (h * h);
   const std::array<Index, 3> node{row % side, row / side % side, row / side / side};
   const auto radius = [&](std::array<Index, 3> at) {
-    double sum = 0;
-    for (int d = 0; d < dimension; ++d) {
-      const double x = -2 + h * static_cast<double>(at[static_cast<std::size_t>(d)] + 1);
-      sum += x * x;
-    }
-    return std::sqrt(sum);
+    const auto x = [&](std::size_t d) { return -2 + h * static_cast<double>(at[d] + 1); };
+    return dimension == 2 ? std::hypot(x(0), x(1)) : std::sqrt(x(0) * x(0) + x(1) * x(1) + x(2) * x(2));
   };
   const std::array<Index, 3> stride{1, side, side * side};
   out.b = 2 * dimension * per_h2 * upper_ball(radius(node));
@@ -45,25 +41,24 @@ template <class Exact> void ball_row(Index side, int dimension, Index row, const
 
 void plane_ball_row(Index side, Index row, GridRow& out) {
   constexpr double rim = 0.69796514822337356642;
-  ball_row(side, 2, row,
-           [](double r) { return r <= rim ? upper_ball(r) : -rim * rim * std::log(r / 2) / std::sqrt(1 - rim * rim); },
-           out);
+  ball_row(
+      side, 2, row,
+      [](double r) { return r <= rim ? upper_ball(r) : -rim * rim * std::log(r / 2) / std::sqrt(1 - rim * rim); }, out);
 }
 
 void space_ball_row(Index side, Index row, GridRow& out) {
   double rim = 0.8;
   for (int k = 0; k < 20; ++k) rim -= (0.5 * rim * rim * rim - 2 * rim * rim + 1) / (1.5 * rim * rim - 4 * rim);
   const double alpha = rim * rim * rim / std::sqrt(1 - rim * rim);
-  ball_row(side, 3, row, [&](double r) { return r <= rim ? upper_ball(r) : alpha * (1 / r - 0.5); }, out);
+  ball_row(
+      side, 3, row, [&](double r) { return r <= rim ? upper_ball(r) : alpha * (1 / r - 0.5); }, out);
 }
 
 void journal_row(Index side, Index row, GridRow& out) {
   constexpr double eccentricity = 0.1, half_width = 10;
   const auto n = static_cast<double>(side + 1);
   const double hx = 2 * std::numbers::pi / n, hy = 2 * half_width / n;
-  const auto cubed = [&](Index i) {
-    return std::pow(1 + eccentricity * std::cos(hx * static_cast<double>(i + 1)), 3);
-  };
+  const auto cubed = [&](Index i) { return std::pow(1 + eccentricity * std::cos(hx * static_cast<double>(i + 1)), 3); };
   const auto lower = [&](Index i) { return (2 * cubed(i) + cubed(i + 1)) / 6; };
   const auto upper = [&](Index i) { return (cubed(i) + 2 * cubed(i + 1)) / 6; };
   const auto along = [&](Index i) { return (lower(i) + upper(i)) * hy / hx; };       // from node i to i + 1
@@ -106,10 +101,18 @@ distributed::LocalRows part_of_grid(Grid grid, Index side, Index first, Index m)
   for (Index k = 0; k < m; ++k) {
     GridRow row;
     switch (grid) {
-      case Grid::ball: plane_ball_row(side, first + k, row); break;
-      case Grid::journal: journal_row(side, first + k, row); break;
-      case Grid::torsion: torsion_row(side, first + k, row); break;
-      case Grid::space: space_ball_row(side, first + k, row); break;
+      case Grid::ball:
+        plane_ball_row(side, first + k, row);
+        break;
+      case Grid::journal:
+        journal_row(side, first + k, row);
+        break;
+      case Grid::torsion:
+        torsion_row(side, first + k, row);
+        break;
+      case Grid::space:
+        space_ball_row(side, first + k, row);
+        break;
     }
     for (std::size_t e = 0; e < row.count; ++e) {
       part.A.column.push_back(static_cast<int>(row.entries[e].first));
