@@ -1,6 +1,7 @@
 # ORTHANT_PETSC: PETSc and MPI are found and wanted; then the target orthant_petsc_libraries has both.
 # PETSc is found by pkg-config. Sanitizers report what MPI leaks: not with them.
-option(ORTHANT_WITH_PETSC "Build orthant_distributed and the plugin petsc, if PETSc and MPI are found" ON)
+option(ORTHANT_WITH_PETSC "Build orthant_distributed and the plugin petsc, if PETSc and MPI are found"
+       ${PROJECT_IS_TOP_LEVEL})
 set(ORTHANT_PETSC OFF)
 if(ORTHANT_WITH_PETSC AND NOT CMAKE_BUILD_TYPE MATCHES "^(Asan|Tsan|Coverage|Fuzz)$")
   find_package(PkgConfig QUIET)

@@ -44,6 +44,7 @@ FOLDERS = {
     "solvers/first_order": "First-order solvers",
     "solvers/cones": "Solvers for friction discs",
     "solvers/external": "Solvers over Ipopt and NLopt",
+    "solvers/distributed": "Problems distributed over MPI (PETSc)",
     "solvers/proof": "Proofs of infeasibility",
     "solvers/derivatives": "Derivatives of solutions",
     "solvers/linear_algebra": "Factorizations and kernels",

@@ -22,12 +22,20 @@ using Method = NewtonOptions::Method;
 struct Outcome {
   NewtonSolution s;
   Vector z;  // whole
+  IterationLog log;
 };
+/// Every iteration was the active set's: no block made it hand over to the semismooth method.
+bool reduced_throughout(const IterationLog& log) {
+  for (const LogEntry& entry : log)
+    if (entry.event != "block" && entry.event != "single") return false;
+  return !log.empty();
+}
 Outcome solve(const Lcp& problem, NewtonOptions options = {}, double time_limit = kInf) {
   const DistributedLcp rows = DistributedLcp::from(MPI_COMM_WORLD, problem);
   DistributedNewton newton(rows, options);
   newton.set_time_limit(time_limit);
   Outcome out;
+  newton.set_log(&out.log);
   newton.solve(out.s);
   if (out.s.z.size() == rows.rows()) out.z = whole_of(rows, out.s.z);
   return out;
@@ -76,6 +84,7 @@ TEST_CASE("distributed newton: obstacle problems as the serial solvers have them
         CHECK(distance(out.z, exact.z) < 1e-7);
         CHECK(distance(out.z, also.z) < 1e-7);
         CHECK(out.s.iterations <= 60);
+        CHECK(reduced_throughout(out.log) == (method == Method::reduced_space));
       }
     pcs.resize(1);  // the others on the first problem alone
   }
@@ -94,6 +103,7 @@ TEST_CASE("distributed newton: boxes, free rows, unsymmetric, rows in units apar
       REQUIRE(has_answer(out.s.status));
       CHECK(judged(problem, out.z) == out.s.status);
       CHECK(distance(out.z, z) < 1e-6);
+      if (method == Method::reduced_space) CHECK(reduced_throughout(out.log));
     }
   }
 }
@@ -108,6 +118,7 @@ TEST_CASE("distributed newton: a circulant P-matrix on which the active set alon
     const Outcome out = solve(problem, options);
     CHECK(out.s.status == Status::solved);
     CHECK(distance(out.z, Vector{1.0 / 3, 1.0 / 3, 1.0 / 3}) < 1e-12);
+    CHECK(reduced_throughout(out.log));
   }
   NewtonSolution s;
   s.z.resize(0);
