@@ -1,7 +1,7 @@
 // solvers/distributed/active_block.h — active rows over the ranks: the Newton step that a choice of sides defines.
 //
 //   lower: z_i = lo_i;  upper: z_i = hi_i;  inside (F): z_F ← z_F − A_FF⁻¹ w_F,  w = A z + b with the others at their
-//   bounds. A_FF by a Krylov method to a tolerance: each step is a correction, so that errors of the steps before vanish.
+//   bounds. A_FF by a Krylov method to a tolerance: each step is a correction, so that errors of earlier steps vanish.
 //   Rows stay on their rank: A_FF takes no communication but the halo's pattern. A rank without inside rows waits.
 #pragma once
 

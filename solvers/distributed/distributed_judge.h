@@ -5,8 +5,8 @@
 //   row open: for z and A the verdict is that of the judge of one process, for any number of ranks. It proves no
 //   infeasibility, and does not tell coarse answers.
 //   β is the least x with x_i ≥ the data of row i and x_i ≥ min(|A_ij z_j|, x_j): the widest paths first within a rank,
-//   then the halo's x is fetched, until no rank changes. Each round only raises x, so that rows which pass with the x of
-//   the moment pass: it ends once all do, mostly before any round. At most one round for each time that a widest path
+//   then the halo's x is fetched, until no rank changes. Each round only raises x, so that a row which passes with the
+//   present x passes: the rounds end once all rows do. At most one round for each time that a widest path
 //   goes from one rank to another.
 //   Cost: one product and two reductions for most z; each round one exchange and one reduction.
 #pragma once

@@ -1,9 +1,10 @@
 // solvers/distributed/distributed_newton.h — active-set and semismooth Newton methods on distributed rows.
 //
-//   reduced-space   primal-dual active set: each iteration takes the Newton step of its choice of sides (active_block.h)
-//                   and moves every row with a wrong sign. After `patience` iterations in which the number of wrong
-//                   rows did not fall below its least, only the last wrong row of all ranks moves (Murty's rule), until
-//                   it does: finite for P-matrices. A block that cannot be solved: semismooth goes on from there.
+//   reduced-space   primal-dual active set: each iteration takes the Newton step of its choice of sides
+//                   (active_block.h) and moves every row with a wrong sign. After `patience` iterations in which the
+//                   number of wrong rows did not fall below its least, only the last wrong row of all ranks moves
+//                   (Murty's rule), until it does: finite for P-matrices. A block that cannot be solved: semismooth
+//                   goes on from there.
 //   semismooth      Newton on the Fischer-Burmeister function Φ, V d = −Φ with V = diag(da) + diag(db) A; a d that is
 //                   no descent of ½‖Φ‖² is replaced by −VᵀΦ; nonmonotone Armijo line search. Near the end the active
 //                   rows are identified and solved for.

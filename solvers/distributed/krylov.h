@@ -5,7 +5,8 @@
 //     B = Bᵀ            conjugate gradients, algebraic multigrid (hypre's BoomerAMG, else GAMG)
 //     else              GMRES(100) with the same;  LU (UMFPACK on one rank, MUMPS on several) up to 200 000 rows
 //   The next matrix begins with what has succeeded.
-//   PETSc's options database may change both, with the prefix orthant_: -orthant_pc_hypre_boomeramg_strong_threshold 0.5
+//   PETSc's options database may change both, with the prefix orthant_, as in the variable PETSC_OPTIONS:
+//     -orthant_pc_hypre_boomeramg_strong_threshold 0.5
 //   Source: Saad, Iterative Methods for Sparse Linear Systems (2003); Henson & Yang, Appl. Numer. Math. 41 (2002).
 #pragma once
 

@@ -1,8 +1,9 @@
 // solvers/distributed/petsc_objects.h — PETSc objects with owners, errors as exceptions, PETSc started without side
 // effects.
 //
-//   A method of this folder is collective: all ranks of the problem's communicator call it together, with equal options.
-//   What one rank alone finds wrong is told to the others first, so that all throw the same exception (require_everywhere).
+//   Methods of this folder are collective: all ranks of the problem's communicator call them together, with equal
+//   options. A fault that one rank alone finds is reported to the others, and all throw the same exception
+//   (require_everywhere).
 #pragma once
 
 #include <petscksp.h>

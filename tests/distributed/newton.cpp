@@ -120,16 +120,22 @@ TEST_CASE("distributed newton: a circulant P-matrix on which the active set alon
     CHECK(distance(out.z, Vector{1.0 / 3, 1.0 / 3, 1.0 / 3}) < 1e-12);
     CHECK(reduced_throughout(out.log));
   }
-  NewtonSolution s;
-  s.z.resize(0);
+  // From the sides of this start the blocks {0, 2}, {1, 2}, {0, 1} follow each other without end.
   const DistributedLcp rows = DistributedLcp::from(MPI_COMM_WORLD, problem);
-  NewtonOptions options;
-  options.patience = 0;
-  DistributedNewton newton(rows, options);
-  s.z.resize(rows.rows());
-  for (Index i = 0; i < rows.rows(); ++i) s.z[i] = rows.first() + i == 0 ? 5 : 0;
-  newton.solve(s, true);
-  CHECK(s.status == Status::solved);
+  for (const int patience : {0, 1, 10}) {
+    NewtonOptions options;
+    options.patience = patience;
+    DistributedNewton newton(rows, options);
+    IterationLog log;
+    newton.set_log(&log);
+    NewtonSolution s;
+    s.z.resize(rows.rows());
+    for (Index i = 0; i < rows.rows(); ++i) s.z[i] = rows.first() + i == 0 ? 5 : 0;
+    newton.solve(s, true);
+    CHECK(s.status == Status::solved);
+    CHECK(reduced_throughout(log));
+    CHECK(s.iterations > patience);
+  }
 }
 
 TEST_CASE("distributed newton: the same bits again, and through a second solve of the same object") {

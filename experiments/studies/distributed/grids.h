@@ -1,7 +1,7 @@
 // experiments/studies/distributed/grids.h — obstacle problems on grids, one rank's rows at a time.
 //
-//   The problems of core/lcp/problems/obstacles.h, each row by itself: no rank holds more than its own. Nodes row by row
-//   of the grid, x fastest.
+//   The problems of core/lcp/problems/obstacles.h, each row by itself: no rank holds more than its own rows. Nodes row
+//   by row of the grid, x fastest.
 #pragma once
 
 #include <orthant/solvers/distributed/distributed_lcp.h>

@@ -91,7 +91,8 @@ def plot_distributed(folder, about):
                 right.plot([row["ranks"] for row in part], [row["efficiency"] for row in part], style, color=colour,
                            label=f"{problem}, {layout}")
     left.set(xscale="log", xlabel="rows n", ylabel="Newton iterations, reduced space", ylim=(0, None))
-    right.set(xscale="log", xlabel="ranks, equal rows each (model)", ylabel="efficiency of an iteration", ylim=(0, 1.05))
+    right.set(xscale="log", xlabel="ranks, equal rows each (model)", ylabel="efficiency of an iteration",
+              ylim=(0, 1.05))
     left.legend()
     right.legend()
     figure.tight_layout(rect=(0, 0.03, 1, 0.95))
