@@ -1,5 +1,5 @@
 // core/lcp/judge/certify.h — the judge: the only code that writes Status::solved, Status::rounded or
-// Status::infeasible.
+// Status::infeasible, except distributed_judge.h, which applies the same rule (row_rule.h) to distributed rows.
 //
 //   Row i of w = A z + b has the terms b_i and A_ij z_j; s_i is the sum of their absolute values. By hand, from z:
 //   violation   v_i = how far w_i is from what z_i allows: max(0, −w_i) at lo_i, max(0, w_i) at hi_i, |w_i| between,
