@@ -3,9 +3,11 @@
 // Each study moves one number of one scene over its decades, by every integrator with Lemke's method and by moreau-jean
 // with every solver: the worst residual, joint drift, penetration, energy defect (most above what it had been, over the
 // largest kinetic energy), and how the run ended. Writes stability.csv, a row a run, and stability.md, a table a study,
-// and at its end one of all solvers. Long runs are by some solvers only.
+// and at its end one of all solvers. Long runs are by some solvers only. With --dimension 3 the scenes are in space and
+// have exact answers: the tables have the errors (support/spatial_stability.h).
 #include "experiments/runs/manifest.h"
 #include "experiments/studies/support/equivalent_scene.h"
+#include "experiments/studies/support/spatial_stability_tables.h"
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/progress.h"
@@ -173,8 +175,7 @@ std::string line_of_solver(const std::string& solver, const std::vector<Row>& ro
          (solved > 0 ? brief(residual) : "-") + " | " + (failed.empty() ? "-" : failed) + " |\n";
 }
 
-void run(const std::filesystem::path& output, bool quick, double limit, const std::string& only,
-         const std::string& command_line) {
+std::string planar_tables(const std::filesystem::path& output, bool quick, double limit, const std::string& only) {
   std::string csv = "study,value,integrator,solver,end,steps,residual,drift,penetration,energy_defect,seconds\n",
               tables;
   std::vector<std::pair<std::string, std::string>> few, every;
@@ -219,29 +220,36 @@ void run(const std::filesystem::path& output, bool quick, double limit, const st
   for (const auto& [solver, rows] : by_solver) tables += line_of_solver(solver, rows);
   write_whole(output / "stability.csv", csv);
   write_whole(output / "stability.md", tables);
-  auto about = manifest();
-  about["command"] = command_line;
-  write_whole(output / "manifest.json", about.dump(2) + "\n");
-  std::cout << tables;
+  return tables;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::filesystem::path output = "results/stability";
+  std::filesystem::path output;
   bool quick = false;
+  int dimension = 2;
   double limit = 60;
   std::string only;
   CLI::App app("Mass ratios, stiffness, steps, clearances, offsets: how far the numbers carry");
-  app.add_option("--output", output, "folder for the tables and the manifest")->capture_default_str();
+  app.add_option("--output", output, "folder for the tables and the manifest; default: results/stability, _space");
+  app.add_option("--dimension", dimension, "2: planar scenes; 3: scenes in space with exact answers, by solver auto")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
   app.add_option("--time-limit", limit, "of each run [s]")->check(between(1e-3, 1e6))->capture_default_str();
   app.add_option("--only", only, "studies whose name has this text");
   app.add_flag("--quick", quick, "every third decade, shorter runs");
   if (const auto end = parse(app, argc, argv)) return *end;
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+  if (output.empty()) output = dimension == 3 ? "results/stability_space" : "results/stability";
   try {
-    run(output, quick, limit, only, command_line);
+    const std::string tables =
+        dimension == 3 ? spatial_stability({output, quick, limit, only}) : planar_tables(output, quick, limit, only);
+    auto about = manifest();
+    about["command"] = command_line;
+    write_whole(output / "manifest.json", about.dump(2) + "\n");
+    std::cout << tables;
   } catch (const std::exception& error) {
     std::cerr << "stability: " << error.what() << '\n';
     return 1;
