@@ -29,7 +29,8 @@ constexpr Target kTargets[] = {{"matrix_market", fuzz::matrix_market},
                                {"fclib", fuzz::fclib, "tests/data/fclib", ".hdf5"},
                                {"options", fuzz::options},
                                {"model", fuzz::model},
-                               {"mesh", fuzz::mesh}};
+                               {"mesh", fuzz::mesh},
+                               {"view", fuzz::view}};
 
 std::vector<std::string> seeds_of(const Target& target) {
   const std::filesystem::path root = ORTHANT_ROOT;
@@ -129,5 +130,8 @@ TEST_CASE("oversized and deeply nested input ends at once") {
   fuzz::matrix_market("%%MatrixMarket matrix array real general\n100000000 100000000\n1\n");
   fuzz::matrix_market(times("%%MatrixMarket ", 1000000));
   fuzz::options("pgs:" + times("omega=1,", 100000));
+  const std::string lists = R"(, "outlines": [], "pins": [], "contacts": [], "event_contacts": []})";
+  fuzz::view("t,x\n0,0\n%%\n\n%%\n{\"bodies\": " + times("[", 1000000) + times("]", 1000000) + lists);
+  fuzz::view(times("t,", 1000000) + "\n" + times("0,", 1000000));
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
 }

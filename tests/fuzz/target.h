@@ -24,6 +24,7 @@ void fclib(std::string_view bytes);
 void options(std::string_view bytes);
 void model(std::string_view bytes);
 void mesh(std::string_view bytes);
+void view(std::string_view bytes);
 
 [[noreturn]] inline void broken(const char* rule, const std::string& found) {
   std::fprintf(stderr, "fuzz: %s: %s\n", rule, found.c_str());

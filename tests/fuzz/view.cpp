@@ -1,0 +1,77 @@
+#include "experiments/report/view.h"
+#include "experiments/support/printable.h"
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "target.h"
+
+namespace {
+
+using namespace orthant;
+
+/// A trajectory as a file, in CSV, and its events next to it.
+class RunFiles {
+ public:
+  RunFiles()
+      : run_(std::filesystem::temp_directory_path() / ("orthant_fuzz_view_" + std::to_string(getpid()) + ".csv")),
+        events_(run_) {
+    events_.replace_extension(".events.csv");
+  }
+  ~RunFiles() {
+    std::error_code error;
+    std::filesystem::remove(run_, error), std::filesystem::remove(events_, error);
+  }
+  RunFiles(const RunFiles&) = delete;
+  RunFiles& operator=(const RunFiles&) = delete;
+  RecordedRun read(const std::string& run, const std::string& events) const {
+    std::ofstream(run_, std::ios::binary) << run;
+    std::ofstream(events_, std::ios::binary) << events;
+    return read_run(run_);
+  }
+
+ private:
+  std::filesystem::path run_, events_;
+};
+
+/// What surrounds the data of a page: it must not depend on them.
+std::pair<std::string, std::string> frame_of(const std::string& page, std::string& data) {
+  const std::string begin = "<script type=\"application/json\" id=\"data\">", end = "</script>";
+  const auto first = page.find(begin) + begin.size(), last = page.find(end, first);
+  data = page.substr(first, last - first);
+  return {page.substr(0, first), page.substr(last)};
+}
+
+const std::pair<std::string, std::string>& known_frame(bool in_space) {
+  const auto make = [](bool space) {
+    std::string data;
+    return frame_of(view_page({{"dimension", space ? 3 : 2}}), data);
+  };
+  static const std::array<std::pair<std::string, std::string>, 2> known = {make(false), make(true)};
+  return known[in_space ? 1 : 0];
+}
+
+}  // namespace
+
+// A trajectory, its events, a drawing and the run's name, between lines of %%: the page holds them as data, nothing
+// else of it changes, and a browser that reads the data finds what was given.
+void orthant::fuzz::view(std::string_view bytes) {
+  std::array<std::string, 4> parts;
+  for (std::string& part : parts) {
+    const auto end = std::min(bytes.find("\n%%\n"), bytes.size());
+    part = bytes.substr(0, end);
+    bytes = end < bytes.size() ? bytes.substr(end + 4) : std::string_view();
+  }
+  static const RunFiles files;
+  parse([&] {
+    RecordedRun run = files.read(parts[0], parts[1]);
+    run.drawing = parts[2];
+    const auto data = view_data(printable(parts[3]), "recorded in " + printable(parts[3]), run);
+    const std::string page = view_page(data);
+    std::string held;
+    if (frame_of(page, held) != known_frame(data.at("dimension") == 3)) broken("a page of the same frame", held);
+    if (held.find('<') != std::string::npos) broken("data without a tag", held);
+    if (nlohmann::ordered_json::parse(held, nullptr, false) != data) broken("the data that were given", held);
+  });
+}
