@@ -19,6 +19,7 @@ constexpr std::size_t kMostNumbers = 150'000;        // about 1.3 MB of text
 constexpr std::size_t kMostNumbersInSpace = 90'000;  // there three.js takes 570 kB of the page
 constexpr std::size_t kMostPushes = 12'000;          // 500 kB
 constexpr std::size_t kMostListed = 2000;            // 100 kB
+constexpr int kDeepest = 16;                         // brackets of a drawing: Json::dump() recurses
 
 /// Digits of a drawing and of a plot; of times more, for frames lie close.
 Json digits_of(double x, int digits) {
@@ -91,7 +92,13 @@ Json pushes_by_frame(const std::vector<Push>& pushes, const std::vector<double>&
 /// The drawing of a file: a stranger's, so that only what the page expects is let through.
 Json drawing_of(const RecordedRun& run) {
   if (run.drawing.empty()) return points_only(run.columns);
-  Json drawing = Json::parse(run.drawing, nullptr, false);
+  const auto shallow = [](int depth, Json::parse_event_t /*event*/, const Json& /*parsed*/) {
+    if (depth > kDeepest)
+      throw std::runtime_error("scene/drawing: brackets nested " + std::to_string(depth) +
+                               " deep: must be a drawing that orthant wrote");
+    return true;
+  };
+  Json drawing = Json::parse(run.drawing, shallow, false);
   const bool in_space = is_spatial(drawing);
   for (const char* part :
        {"bodies", in_space ? "solids" : "outlines", in_space ? "joints" : "pins", "contacts", "event_contacts"})

@@ -32,6 +32,8 @@ TEST_CASE("a program refuses what it cannot do in one line, before it begins") {
       {"pile_scaling --by nix", "solver 'nix'"},
       {"scene_content --solver nix", "solver 'nix'"},
       {"stability --only zzz", "--only 'zzz': no study's name has it"},
+      {"stability --dimension 3 --only zzz", "--only 'zzz': no study's name has it"},
+      {"stability --dimension 4", "--dimension"},
       {"step_race --finest 1", "--finest: '1': must be in [1e-08, 1e-05]"},
       {"verdict_storm --jobs 0", "--jobs"},
       {"verdict_storm --only -3", "--only"},
