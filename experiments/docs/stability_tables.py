@@ -8,7 +8,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 PAGE, DATA = HERE / "theory/stability_tables.md", HERE / "data/stability_space.csv"
 BEGIN, END = "<!-- tables in space: stability_tables.py -->\n", "<!-- end of tables in space -->\n"
-UNITS = {"mass ratio": "m/s", "load ratio": "m", "step [s]": "m", "distance [m]": "m", "steps, pendulum": "m"}
+UNITS = {"mass ratio": "m/s", "load ratio": "m", "step [s]": "m", "distance [m]": "m", "steps of a pendulum": "m"}
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -19,6 +19,8 @@ def decade(text):
 
 
 def figure(x):
+    if 0.01 <= x < 1000:
+        return f"{x:.2g}"
     return "0" if x == 0 else f"{x:.1e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 

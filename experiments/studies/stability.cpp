@@ -200,7 +200,7 @@ std::string planar_tables(const std::filesystem::path& output, bool quick, doubl
       std::vector<Row> rows;
       for (const double value : study.values) {
         const Row& r = rows.emplace_back(visit(study, value, integrator, solver, limit));
-        csv += r.study + ',' + detail::text_of(r.value) + ',' + r.integrator + ',' + r.solver + ',' + r.end;
+        csv += '"' + r.study + "\"," + detail::text_of(r.value) + ',' + r.integrator + ',' + r.solver + ',' + r.end;
         for (const double x : {r.steps, r.residual, r.drift, r.penetration, r.defect, r.seconds})
           csv += ',' + detail::text_of(x);
         csv += '\n';

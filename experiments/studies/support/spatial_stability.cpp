@@ -190,14 +190,14 @@ std::vector<SpatialStudy> spatial_studies(bool quick) {
        [=](double h) { return shot(h, std::min(1.0, most * h), far(0)); }},
       {"clearance [m]", "1", decades_of(-2, -7, quick ? 2 : 1), [=](double c) { return swing(c, quick ? 400 : 2000); }},
       {"distance [m]", "m", decades_of(0, 6, stride), [=](double d) { return shot(1e-3, 1, far(d)); }},
-      {"steps, body",
+      {"steps of a body",
        "1",
        {many / 100, many},
        [](double n) {
          return free_body({1, 2, 2.6}, 1e-3, 1e-3 * n);
        }},
-      {"steps, pendulum", "m", {many / 100, many}, conical},
-      {"steps, ball", "1", {many / 100, many}, bouncing},
+      {"steps of a pendulum", "m", {many / 100, many}, conical},
+      {"steps of a ball", "1", {many / 100, many}, bouncing},
   };
 }
 

@@ -10,9 +10,9 @@
 //   step               massé shot: slides on a parabola, then rolls (core/scenes/masse.h)
 //   clearance          a ball in a socket swings as a pendulum of the length of the clearance, by 60°: one period
 //   distance           the massé shot, up to 1000 km away
-//   steps, body        free asymmetric body, up to 10⁷ steps: its angular momentum is constant
-//   steps, pendulum    conical pendulum, likewise: its point stays on a circle
-//   steps, ball        elastic bouncing ball, likewise: its energy is constant
+//   steps of a body    free asymmetric body, up to 10⁷ steps: its angular momentum is constant
+//   steps of a pendulum  conical pendulum, likewise: its point stays on a circle
+//   steps of a ball    elastic bouncing ball, likewise: its energy is constant
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/system.h>
