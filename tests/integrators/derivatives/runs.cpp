@@ -54,6 +54,30 @@ TEST_CASE(
                  {.step = 1e-3, .duration = 0.8}, 1e-6);
 }
 
+TEST_CASE("tangent of a run: a load beside the centre of a body that turns, its moment changes with the angle") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "arm"
+mass = 1.3
+inertia = 0.05
+position = [0.3, 0]
+omega = 2
+[[joint]]
+type = "revolute"
+name = "pin"
+bodies = ["ground", "arm"]
+point_b = [-0.3, 0]
+[[load]]
+name = "push"
+body = "arm"
+point = [0.2, 0.4]
+force = [3, -5]
+)";
+  check_tangents(from_text(text), {{"body.arm.mass", 1.3}, {"body.arm.inertia", 0.05}}, {.step = 1e-3, .duration = 0.5},
+                 1e-6);
+}
+
 TEST_CASE("tangent of a run: a driven crank on a pin with clearance, by its speed, clearance and the start") {
   const std::string& text = kDrivenCrank;
   const RunTangent t = check_tangents(from_text(text),

@@ -74,16 +74,23 @@ TEST_CASE("drag that stops a body within a thousandth of a step does not throw i
 
 TEST_CASE("drag at a point of a body turns it: what its centre loses, the couple has") {
   // Force −c u at r from the centre of a body at rest that turns: du of the centre and moment r × F, to first order.
-  const SpatialSystem system(std::get<spatial::Scene>(parse_any_scene(
-      "dimension = 3\n[[body]]\nname = 'vane'\nmass = 2\ninertia = 0.5\nomega = [0, 0, 3]\n[[spring]]\ntype = 'drag'\n"
-      "body = 'vane'\nlinear = 4\npoint = [0.2, 0, 0]\n",
-      {}, "vane.toml")));
-  TermsOf<Spatial> terms(system);
-  const State x = system.initial_state();
-  set_poses(system, 0, x.q, terms.at);
-  evaluate_forces(system, 0, x.v, terms);
-  CHECK(std::abs(terms.f[1] + 4 * 0.6) < 1e-14);  // the point moves along y with 0.6 m/s
-  CHECK(std::abs(terms.f[5] + 4 * 0.6 * 0.2) < 1e-14);
+  const auto force = [](const std::string& law) {
+    const SpatialSystem system(std::get<spatial::Scene>(parse_any_scene(
+        "dimension = 3\n[[body]]\nname = 'vane'\nmass = 2\ninertia = 0.5\nomega = [0, 0, 3]\n[[spring]]\n"
+        "type = 'drag'\nbody = 'vane'\npoint = [0.2, 0, 0]\n" +
+            law,
+        {}, "vane.toml")));
+    TermsOf<Spatial> terms(system);
+    const State x = system.initial_state();
+    set_poses(system, 0, x.q, terms.at);
+    evaluate_forces(system, 0, x.v, terms);
+    return Eigen::VectorXd(terms.f);
+  };
+  const Eigen::VectorXd linear = force("linear = 4\n"), quadratic = force("quadratic = 5\n");
+  CHECK(std::abs(linear[1] + 4 * 0.6) < 1e-14);  // the point moves along y with 0.6 m/s
+  CHECK(std::abs(linear[5] + 4 * 0.6 * 0.2) < 1e-14);
+  CHECK(std::abs(quadratic[1] + 5 * 0.6 * 0.6) < 1e-14);
+  CHECK(std::abs(quadratic[5] + 5 * 0.6 * 0.6 * 0.2) < 1e-14);
 }
 
 TEST_CASE("mistakes in drag are named by field, value and rule") {

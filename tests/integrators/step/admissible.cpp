@@ -184,6 +184,18 @@ TEST_CASE("a ball that bounces for ever: no scheme loses or gains much energy, a
   }
 }
 
+TEST_CASE("energy that a scheme loses where nothing in the scene takes it is a defect") {
+  Scene s{.gravity = {0, -kGravity}};
+  const BodyId rod = s.body({.name = "rod", .inertia = 0.1, .position = {1, 0}});
+  s.joint(Revolute{"pin", kGround, rod, {0, 0}, {-1, 0}});
+  const Run r = run_for(s, 10, "stewart-trinkle", 1e-2);
+  CHECK(r.status == Status::solved);
+  const double lost = r.energy_initial - r.energy_final;
+  CHECK(lost > 0.05 * kGravity);
+  CHECK(r.motion.energy_defect >= (1 - 1e-9) * lost);
+  CHECK(warnings_of(r.motion).size() == 1);
+}
+
 TEST_CASE("elastic impacts: the schemes of position level keep the energy, wherever in the step an impact falls") {
   Scene s{.gravity = {0, -kGravity}};
   const BodyId ball = s.body({.name = "ball", .inertia = 0.01, .position = {0, 1.1}, .velocity = {0.7, 0}});
@@ -250,6 +262,31 @@ TEST_CASE("work of loads, belts and drives is what the energy changes by, whatev
     const double speed = 0.3 * kGravity, slides = 2 / speed;                // until the box runs with the belt
     CHECK(kept == doctest::Approx(-0.3 * kGravity * (2 * slides - speed * slides * slides / 2)).epsilon(0.02));
     CHECK(r.motion.energy_defect < 0.01 * r.motion.energy_scale);
+  }
+}
+
+TEST_CASE("work of a load that swings is that of the whole step, and of the part of a step that a run ends in") {
+  Scene s;
+  const BodyId arm = s.body({.name = "arm", .inertia = 0.1});
+  s.joint(Revolute{"pin", kGround, arm, {0, 0}, {0, 0}});
+  const auto factor = [](double t) { return 1 + std::sin(7 * t); };
+  s.load({.name = "torque", .body = arm, .torque = 1, .factor = factor, .omega = 7});
+  const auto lost = [&](const char* scheme, double duration, double h) {
+    const Run r = run_for(s, duration, scheme, h);
+    CHECK(r.status == Status::solved);
+    return std::abs(r.energy_final - r.energy_initial - r.motion.work);
+  };
+  for (const double duration : {0.31, 0.5, 0.83}) {
+    CAPTURE(duration);
+    for (const char* scheme : {"moreau-jean", "generalized-alpha", "rattle"}) {  // of second order
+      CAPTURE(scheme);
+      CHECK(lost(scheme, duration, 5e-3) < 0.3 * lost(scheme, duration, 1e-2) + 1e-12);
+    }
+    for (const char* scheme : {"adaptive", "event-driven"}) {
+      CAPTURE(scheme);
+      CHECK(lost(scheme, duration, duration) < 1e-5);
+      CHECK(lost(scheme, duration, 1e-2) < 1e-5);
+    }
   }
 }
 
