@@ -9,9 +9,9 @@ using namespace orthant;
 
 namespace {
 
-using Eigen::Matrix3d;
-
-Matrix3d about(int axis, double angle) { return Eigen::AngleAxisd(angle, Vector3d::Unit(axis)).toRotationMatrix(); }
+Eigen::Matrix3d turn_about(int axis, double angle) {
+  return Eigen::AngleAxisd(angle, Vector3d::Unit(axis)).toRotationMatrix();
+}
 
 /// The only body of a model.
 spatial::Body only_body(const std::string& model, const std::vector<std::string>& sets = {}) {
@@ -20,8 +20,8 @@ spatial::Body only_body(const std::string& model, const std::vector<std::string>
   return t.scene.bodies[0];
 }
 
-Matrix3d tensor(double xx, double yy, double zz, double xy, double xz, double yz) {
-  return Matrix3d{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
+Eigen::Matrix3d tensor(double xx, double yy, double zz, double xy, double xz, double yz) {
+  return Eigen::Matrix3d{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ TEST_CASE("URDF: a tensor with products of inertia is turned by roll, pitch and 
       "<robot name='r'><link name='b'><inertial><origin xyz='1 2 3' rpy='0.3 -0.4 0.9'/><mass value='2'/>"
       "<inertia ixx='3' iyy='4' izz='5' ixy='0.1' ixz='0.2' iyz='-0.3'/></inertial></link></robot>",
       {"base=free"});
-  const Matrix3d R = about(2, 0.9) * about(1, -0.4) * about(0, 0.3);
+  const Eigen::Matrix3d R = turn_about(2, 0.9) * turn_about(1, -0.4) * turn_about(0, 0.3);
   CHECK((b.inertia - R * tensor(3, 4, 5, 0.1, 0.2, -0.3) * R.transpose()).norm() < 1e-14);
   CHECK((b.position - Vector3d(1, 2, 3)).norm() < 1e-15);
 }
@@ -45,16 +45,17 @@ TEST_CASE("MJCF: fullinertia has the order xx, yy, zz, xy, xz, yz") {
 TEST_CASE("MJCF: Euler angles about axes that stay, about axes that turn along, an axis with an angle in degrees") {
   constexpr double kDegree = std::numbers::pi / 180;
   const auto turn_of = [](const char* sequence, const char* turn) {
-    return Matrix3d(quaternions::matrix_of(
+    return Eigen::Matrix3d(quaternions::matrix_of(
         only_body(mujoco("<compiler eulerseq='" + std::string(sequence) + "'/>" +
                          world("<body " + std::string(turn) + "><freejoint/><geom size='0.1'/></body>")))
             .orientation));
   };
-  const Matrix3d x = about(0, 30 * kDegree), y = about(1, 40 * kDegree), z = about(2, 50 * kDegree);
+  const Eigen::Matrix3d x = turn_about(0, 30 * kDegree), y = turn_about(1, 40 * kDegree),
+                        z = turn_about(2, 50 * kDegree);
   CHECK((turn_of("xyz", "euler='30 40 50'") - x * y * z).norm() < 1e-14);
   CHECK((turn_of("XYZ", "euler='30 40 50'") - z * y * x).norm() < 1e-14);
   CHECK((turn_of("zYx", "euler='50 40 30'") - y * z * x).norm() < 1e-14);
-  const Matrix3d skew = Eigen::AngleAxisd(60 * kDegree, Vector3d(1, 2, 2) / 3).toRotationMatrix();
+  const Eigen::Matrix3d skew = Eigen::AngleAxisd(60 * kDegree, Vector3d(1, 2, 2) / 3).toRotationMatrix();
   CHECK((turn_of("xyz", "axisangle='1 2 2 60'") - skew).norm() < 1e-14);
 }
 
@@ -67,10 +68,11 @@ TEST_CASE("MJCF: a body of two geoms has the centre and the inertia of both, wit
   const Vector3d places[] = {{0.3, -0.2, 1}, {1, 0.5, 0}};
   const double mass = masses[0] + masses[1];
   const Vector3d centre = (masses[0] * places[0] + masses[1] * places[1]) / mass;
-  Matrix3d inertia = Matrix3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (int i = 0; i < 2; ++i) {
     const Vector3d d = places[i] - centre;
-    inertia += masses[i] * (Matrix3d(solids[i].inertia) + d.squaredNorm() * Matrix3d::Identity() - d * d.transpose());
+    inertia += masses[i] *
+               (Eigen::Matrix3d(solids[i].inertia) + d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
   }
   CHECK(b.mass == doctest::Approx(mass).epsilon(1e-14));
   CHECK((b.position - centre).norm() < 1e-14);
