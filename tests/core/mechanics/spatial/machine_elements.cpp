@@ -11,7 +11,7 @@ using namespace orthant;
 
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kOneTurn = 2 * std::numbers::pi;
 
 Vector3d vector_of(int seed) { return {std::sin(1.0 + seed), std::cos(2.0 + 3 * seed), std::sin(4.0 + 5 * seed)}; }
 
@@ -90,10 +90,10 @@ TEST_CASE("a screw's and a gear's residual is 0 after any number of turns, and i
   const double pitch = 0.02;
   for (const double turns : {0.0, 0.3, 0.75, -2.6, 7.1}) {
     CAPTURE(turns);
-    spatial::Scene s = on_one_axis(kTurn * turns, 0.4 + pitch * turns);
+    spatial::Scene s = on_one_axis(kOneTurn * turns, 0.4 + pitch * turns);
     s.joint(spatial::Screw{.name = "screw", .a = 0, .b = 1, .pitch = pitch, .offset = 0.4});
     s.joint(spatial::Gear("rack", spatial::Angle{0, 1}, spatial::Slide{.a = 0, .b = 1, .axis = {0, 0, 1}},
-                          pitch / kTurn, 0.4));
+                          pitch / kOneTurn, 0.4));
     MachineFixture f(s);
     CHECK(f.at(f.x.q).phi.lpNorm<Eigen::Infinity>() < 1e-13);
     const std::vector<RowOf<Spatial>> G = f.terms.G;
@@ -111,8 +111,8 @@ TEST_CASE("a screw's and a gear's residual is 0 after any number of turns, and i
     spatial::Gear gear("gear", about(0), about(1), -20.0 / 60);
     const SpatialSystem start(s);
     gear.offset = gear.value(poses_of(start, start.initial_state()));
-    s.bodies[0].orientation = quaternions::turned(s.bodies[0].orientation, Vector3d(0, 0, kTurn * turns));
-    s.bodies[1].orientation = quaternions::turned(s.bodies[1].orientation, Vector3d(0, 0, -kTurn * turns / 3));
+    s.bodies[0].orientation = quaternions::turned(s.bodies[0].orientation, Vector3d(0, 0, kOneTurn * turns));
+    s.bodies[1].orientation = quaternions::turned(s.bodies[1].orientation, Vector3d(0, 0, -kOneTurn * turns / 3));
     s.joint(gear);
     MachineFixture f(s);
     CHECK(std::abs(f.at(f.x.q).phi[0]) < 1e-12);
@@ -166,7 +166,7 @@ TEST_CASE("the gap of a pin in a bush is that of the extreme point of a rim, its
       const Vector3d from = other.x + other.turn(of_pin ? pin.centre_b : pin.centre_a), w = other.R.col(2);
       double extreme = of_pin ? 0 : 1e9;
       for (int i = 0; i < 200000; ++i) {
-        const double phi = kTurn * i / 200000;
+        const double phi = kOneTurn * i / 200000;
         const Vector3d p =
             centre + (of_pin ? 0.1 : 0.11) * (std::cos(phi) * own.R.col(0) + std::sin(phi) * own.R.col(1)) - from;
         const double distance = (p - p.dot(w) * w).norm();
@@ -248,7 +248,7 @@ height = 0.11
                  "1]\nangle = 1\npitch = 0.02\n")
           .joints.at(2));
   CHECK(screw.pitch == 0.02);
-  CHECK(std::abs(screw.offset - (0.3 - 0.02 / kTurn)) < 1e-12);
+  CHECK(std::abs(screw.offset - (0.3 - 0.02 / kOneTurn)) < 1e-12);
   const auto gear =
       std::get<spatial::Gear>(machine_of("[[joint]]\ntype = 'gear'\nbodies = ['a', 'b']\naxis = [0, 0, 1]\naxis_b = "
                                          "[1, 0, 0]\nteeth = [20, 60]\n")

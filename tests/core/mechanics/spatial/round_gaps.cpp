@@ -93,17 +93,17 @@ TEST_CASE("gaps of capsules change by no more than the shapes move") {
                      axis = anywhere_in(random, 1).normalized();
       const Eigen::Matrix3d start = any_turn(random);
       constexpr int kSteps = 500;
-      constexpr double kTurn = 2;
+      constexpr double kSmallTurn = 2;
       double before = kNowhere;
       for (int step = 0; step <= kSteps; ++step) {
         const double t = static_cast<double>(step) / kSteps;
         spatial::Pose pose, here;
-        pose.x = from + t * (to - from), pose.R = Eigen::AngleAxisd(kTurn * t, axis).toRotationMatrix() * start;
+        pose.x = from + t * (to - from), pose.R = Eigen::AngleAxisd(kSmallTurn * t, axis).toRotationMatrix() * start;
         const double gap = smallest_gap(touch(pose, c.shapes[0], here, c.shapes[i]));
         CAPTURE(round);
         CAPTURE(i);
         CAPTURE(step);
-        if (step > 0) CHECK(std::abs(gap - before) < ((to - from).norm() + kTurn * half) / kSteps + 1e-9);
+        if (step > 0) CHECK(std::abs(gap - before) < ((to - from).norm() + kSmallTurn * half) / kSteps + 1e-9);
         before = gap;
       }
     }
