@@ -170,7 +170,7 @@ constexpr Step kSteps[] = {
      }},
     // Traffic equilibria of a city, n = 3355 and 13 915: 12 and 16 factorizations, path 80 and more than 239.
     {"interior-point", "large, sparse, a saddle point",
-     [](const Look& p) { return smooth(p) && p.sparse && p.skew && p.n > kSmall; }},
+     [](const Look& p) { return smooth(p) && p.skew && p.n > kSmall; }},
     {"path:restarts=0", "large, sparse, unsymmetric",
      [](const Look& p) { return smooth(p) && p.sparse && !p.symmetric && p.n > kSmall; }},
     {"interior-point", "large, perhaps monotone", [](const Look& p) { return smooth(p) && p.n > kSmall; }},
@@ -212,9 +212,7 @@ template <class Diagonal> void look_at_diagonal(const Diagonal& diagonal, Look& 
 
 Look look(const Lcp& problem, bool warm) {
   Look p;
-  p.n = problem.size();
-  p.warm = warm;
-  p.friction = !problem.friction.empty();
+  p.n = problem.size(), p.warm = warm, p.friction = !problem.friction.empty();
   if (const auto* dense = std::get_if<DenseMatrix>(&problem.A)) {
     look_at_diagonal(dense->diagonal(), p);
     p.nonnegative = true;
@@ -228,23 +226,22 @@ Look look(const Lcp& problem, bool warm) {
         p.nonnegative = p.nonnegative && a >= 0 && b >= 0;
       }
   } else if (const auto* rows = std::get_if<RowSparse>(&problem.A)) {
-    p.sparse = true;
+    p.sparse = p.skew = true;
     p.thin = rows->start[static_cast<std::size_t>(p.n)] <= 8 * p.n;
     p.grid = rows->start[static_cast<std::size_t>(p.n)] > 4 * p.n;
-    bool skew = true;
     for (Index i = 0; i < p.n; ++i) {
       const double diagonal = rows->entry(i, i);
       p.positive_diagonal = p.positive_diagonal && diagonal > 0;
       p.no_diagonal = p.no_diagonal && diagonal == 0;
       rows->for_each_in_row(i, [&](Index j, double value) {
         if (j == i) return;
-        skew = skew && (diagonal > 0 || rows->entry(j, i) == -value);
+        p.skew = p.skew && (diagonal > 0 || rows->entry(j, i) == -value);
         p.z_matrix = p.z_matrix && value <= 0;
         if (const double other = rows->entry(j, i); p.symmetric && other != value)
           p.symmetric = symmetric_pair(value, other, diagonal, rows->entry(j, j));
       });
     }
-    p.skew = skew && !p.positive_diagonal;
+    p.skew = p.skew && !p.positive_diagonal;
   } else {
     const Delassus& contacts = std::get<Delassus>(problem.A);
     p.applied = true;
