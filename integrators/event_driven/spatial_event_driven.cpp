@@ -154,9 +154,12 @@ bool SpatialEventDriven::go(double h, Solver& solver, StepReport& report) {
   const double from = time_;
   stop_ = kInf;
   if (!tells_turns()) return false;
+  const bool begins = !begun_;
   bool going = begun_ || begin(solver, report);
   if (going && !fresh_) going = observe(now_, time_) || give_up(Status::numerical_error, "no accelerations");
-  if (going && time_ == from) going = advance(h, solver, report);
+  // An impact at the start ends a stride of its own: what comes after it belongs to later times.
+  const bool struck = begins && std::ranges::any_of(impulses_, [](const Impulse& i) { return i.normal != 0; });
+  if (going && time_ == from && !struck) going = advance(h, solver, report);
   if (going) going = tells_turns();
   if (now_.undetermined) ++report.undetermined;
   if (going) report.status = Status::solved, failed_ = {};

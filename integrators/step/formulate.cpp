@@ -34,15 +34,14 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
   deficiency_.start_solving();
   bool elastic = friction_wins_;
   for (int pass = 1;; ++pass) {
-    const bool solved = solve_once(solver, report, pool) &&
-                        (!problem_.regrade(solution_.z, solution_.w) || solve_once(solver, report, pool));
+    // Of contacts that static friction held, one that lets go may take others with it: exact motions ask again.
+    const int grades = precise_ && !kPlanar<Space> ? kPasses : 1;
+    bool solved = solve_once(solver, report, pool), shared = solved && share_evenly(solver);
+    for (int grade = 0; solved && grade < grades && problem_.regrade(solution_.z, solution_.w); ++grade)
+      solved = solve_once(solver, report, pool), shared = solved && share_evenly(solver);
     if (!deficiency_.give_way(problem_, solution_, solved, report)) {
       if (solved) {
-        if constexpr (!kPlanar<Space>)
-          if (precise_ && !problem_.whole().friction.empty() &&
-              even_share_.improve(problem_.whole(), std::ssize(problem_.contacts()), solver, solution_) &&
-              even_share_.matters(problem_.whole(), solution_))
-            ++report.undetermined;
+        if (shared && even_share_.matters(problem_.whole(), solution_)) ++report.undetermined;
         return true;
       }
       const Status status = report.status;
@@ -66,6 +65,12 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
     if (!solved) deficiency_.note_undecided(), report.status = Status::numerical_error;
     return solved;
   }
+}
+
+/// Impulses that the rows leave open. False: they are not, or the answer stays as it is.
+template <class Space> bool FormulationOf<Space>::share_evenly(Solver& solver) {
+  if (kPlanar<Space> || !precise_ || problem_.whole().friction.empty()) return false;
+  return even_share_.improve(problem_.whole(), std::ssize(problem_.contacts()), solver, solution_);
 }
 
 template <class Space> std::string FormulationOf<Space>::contradiction() const {

@@ -111,6 +111,7 @@ template <class Space> class FormulationOf {
   void advance(Eigen::VectorXd& v, std::vector<Impulse>& impulses) const { problem_.advance(solution_.z, v, impulses); }
 
  private:
+  bool share_evenly(Solver& solver);
   bool solve_once(Solver& solver, StepReport& report, SolverPool* pool) {
     return islands_.solve(problem_, solver, report, pool, solution_);
   }
