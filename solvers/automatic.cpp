@@ -235,10 +235,10 @@ Look look(const Lcp& problem, bool warm) {
       p.no_diagonal = p.no_diagonal && diagonal == 0;
       rows->for_each_in_row(i, [&](Index j, double value) {
         if (j == i) return;
-        p.skew = p.skew && (diagonal > 0 || rows->entry(j, i) == -value);
+        const double other = rows->entry(j, i);
+        p.skew = p.skew && (diagonal > 0 || other == -value);
         p.z_matrix = p.z_matrix && value <= 0;
-        if (const double other = rows->entry(j, i); p.symmetric && other != value)
-          p.symmetric = symmetric_pair(value, other, diagonal, rows->entry(j, j));
+        if (p.symmetric && other != value) p.symmetric = symmetric_pair(value, other, diagonal, rows->entry(j, j));
       });
     }
     p.skew = p.skew && !p.positive_diagonal;

@@ -171,8 +171,8 @@ template <class Space> void add_rounding(const SystemOf<Space>& system, const Ru
                           " rad, rates to that over the step"));
 }
 
-/// Σ 1/m or 1/J of the bodies that a spring or damper acts on; 0 of one between joints, and of drag but for its first
-/// axis.
+/// Σ 1/m or 1/J of the bodies that a spring or damper acts on. 0 of one between joints; of drag only its first axis
+/// counts.
 template <class Body, class Spring> double inverse_mass_of(const std::vector<Body>& bodies, const Spring& spring) {
   double sum = 0;
   if constexpr (requires { spring.component; })

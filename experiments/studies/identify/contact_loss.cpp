@@ -217,8 +217,8 @@ LeastForce ContactLoss::least(double crank_speed, bool slope) {
   const double step = 1e-4 / (tangent.q.lpNorm<Eigen::Infinity>() + tangent.v.lpNorm<Eigen::Infinity>());
   for (std::size_t k = 0; k < kPlaces.size(); ++k) {
     const double d = kPlaces[k] * step;
-    const Moment beside{least.from.t, least.from.q + d * tangent.q.col(0), least.from.v + d * tangent.v.col(0)};
-    found.slope += kWeights[k] * force.at(force.after(beside, least.later)) / step;
+    const Moment nearby{least.from.t, least.from.q + d * tangent.q.col(0), least.from.v + d * tangent.v.col(0)};
+    found.slope += kWeights[k] * force.at(force.after(nearby, least.later)) / step;
   }
   return found;
 }

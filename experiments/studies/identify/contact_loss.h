@@ -31,7 +31,7 @@ struct LeastForce {
   double slope = 0;         // [N s/rad] F′, where it was required
 };
 
-/// [rad/s] The crank speed at which F = 0 for μ = 0, in closed form but for a minimum over θ₁. The speed follows from
+/// [rad/s] The crank speed at which F = 0 for μ = 0, in closed form, minimized over θ₁. The speed follows from
 /// the energy, N from the two equations of motion and the constraint y_s = −clearance: A(θ₁) + B(θ₁) ω₁².
 double frictionless_contact_loss(double clearance);
 

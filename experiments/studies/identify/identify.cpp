@@ -30,7 +30,7 @@ using namespace orthant;
 namespace {
 
 Table contact_loss() {
-  constexpr double kLow = 5, kHigh = 60, kBeside = 1e-12;
+  constexpr double kLow = 5, kHigh = 60, kNear = 1e-12;
   std::cout << "Crank speed at which contact loss begins: slider resting on its guide, e = 0, between " << kLow
             << " and " << kHigh
             << " rad/s\nNewton, Illinois: root of the least normal force; bisection: does a run have "
@@ -55,12 +55,12 @@ Table contact_loss() {
       double speed = std::numeric_limits<double>::quiet_NaN();
       const Timed timed = time_of([&] { speed = (search.*method.find)(kLow, kHigh); });
       const int runs = search.runs, tangents = search.tangents;
-      std::string beside = "-";
+      std::string releases = "-";
       if (timed.failure.empty())
-        beside = std::string(search.release(speed * (1 - kBeside)) ? "yes" : "no") + "; " +
-                 (search.release(speed * (1 + kBeside)) ? "yes" : "no");
+        releases = std::string(search.release(speed * (1 - kNear)) ? "yes" : "no") + "; " +
+                   (search.release(speed * (1 + kNear)) ? "yes" : "no");
       table.row({Table::Number{mu}, method.name, method.derivatives, Table::Number{speed, 15},
-                 mu > 0 ? Table::Cell("-") : Table::Number{std::abs(speed / exact - 1), 2}, beside, runs, tangents,
+                 mu > 0 ? Table::Cell("-") : Table::Number{std::abs(speed / exact - 1), 2}, releases, runs, tangents,
                  Table::Number{timed.seconds, 3}, timed.failure});
     }
     ContactLoss search(slider);
@@ -68,7 +68,7 @@ Table contact_loss() {
     found << "mu = " << mu << ": contact is lost at t = " << at.t << " s, theta_1 = " << at.angle
           << " rad; the least force falls by " << -at.slope << " N s/rad\n";
   }
-  std::cout << "\nerror: relative, of the closed form for mu = 0; releases: at the crank speed times 1 -+ " << kBeside
+  std::cout << "\nerror: relative, of the closed form for mu = 0; releases: at the crank speed times 1 -+ " << kNear
             << '\n'
             << found.str() << '\n';
   return table;
