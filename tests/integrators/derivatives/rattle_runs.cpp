@@ -55,20 +55,8 @@ TEST_CASE("adjoint of a run of rattle: the slider-crank through impacts; states,
 }
 
 TEST_CASE("adjoint of a run of rattle: springs, dampers, a drive, joint friction, loads, a belt") {
-  const std::string& text = kArmBallAndFlap;
-  check_reverse(text,
-                parameters_by_keys(text, {{"spring.coil.stiffness", 30},
-                                          {"spring.coil.damping", 0.6},
-                                          {"spring.coil.rest", 0.5},
-                                          {"joint.motor.amplitude", 0.1},
-                                          {"friction.bearing.bound", 0.4},
-                                          {"load.pull.torque", 0.1},
-                                          {"contact.floor.e_n", 0.6},
-                                          {"contact.floor.radius", 0.2},
-                                          {"contact.floor.mu", 0.1},
-                                          {"body.arm.mass", 1.3}}),
-                {.step = 1e-3, .duration = 0.8}, {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}}, 1e-7,
-                kByRattle);
+  check_reverse(kArmBallAndFlap, arm_ball_and_flap_parameters(), {.step = 1e-3, .duration = 0.8},
+                {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}}, 1e-7, kByRattle);
 }
 
 TEST_CASE("tangent of a run of rattle: a driven crank on a pin with clearance, by its speed, clearance and friction") {

@@ -236,6 +236,19 @@ force = [0.5, 1]
 torque = 0.1
 )";
 
+inline std::vector<RunParameter> arm_ball_and_flap_parameters() {
+  return parameters_by_keys(kArmBallAndFlap, {{"spring.coil.stiffness", 30},
+                                              {"spring.coil.damping", 0.6},
+                                              {"spring.coil.rest", 0.5},
+                                              {"joint.motor.amplitude", 0.1},
+                                              {"friction.bearing.bound", 0.4},
+                                              {"load.pull.torque", 0.1},
+                                              {"contact.floor.e_n", 0.6},
+                                              {"contact.floor.radius", 0.2},
+                                              {"contact.floor.mu", 0.1},
+                                              {"body.arm.mass", 1.3}});
+}
+
 /// A driven crank on a pin with clearance.
 inline const std::string kDrivenCrank = R"(
 gravity = [0, -9.81]
