@@ -31,8 +31,13 @@ void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
     if (event.kind != EventKind::impact && event.kind != EventKind::accumulation) continue;
     const ContactLaw& law = system_.law(event.contact);
     const bool slides = std::abs(event.tangent) >= (1 - 1e-9) * law.mu * event.normal;
-    crossing.struck.push_back({event.contact, false, law.frictional() && slides ? (event.tangent > 0 ? 1 : -1) : 0,
-                               law.frictional() && !slides});
+    int sense = law.frictional() && slides ? (event.tangent > 0 ? 1 : -1) : 0;
+    if (begins_.of(event.contact)) {
+      sense = -begins_.sense(event.contact, now(), before_.q1, after.v0);
+      if (sense == 0)
+        none("contact " + name(event.contact) + " strikes without a slip: the friction that begins there has no sense");
+    }
+    crossing.struck.push_back({event.contact, false, sense, law.frictional() && !slides});
     crossing.plastic = crossing.plastic || event.kind == EventKind::accumulation;
     if (!before_.modes[static_cast<std::size_t>(event.contact)].lasting) crossing.guards.push_back(event.contact);
   }
@@ -55,7 +60,7 @@ void MotionVariation::slips(const Arc& after, Crossing& crossing) {
   };
   crossing.kind = Guard::slip;
   each_lasting([&](int contact, const ContactMode& was, const ContactMode& is) {
-    if (was.slip != 0 && was.slip != is.slip) crossing.guards.push_back(contact);
+    if (was.slip != 0 && was.slip != is.slip && !begins_.of(contact)) crossing.guards.push_back(contact);
   });
   if (!crossing.guards.empty() || !jumps(after)) return;
   crossing.kind = Guard::room;

@@ -16,6 +16,7 @@
 //                    parameter, nor crowds of events, nor normals that jump. Near a graze the growth of δ is reported.
 //   Accumulations end with a plastic impact of bounces of some 1e-14 m, as the motion itself does: the derivative
 //   misses a part of their order.
+//   μ = 0            the derivative of μ → 0+: begun_friction.h. Contacts that strike or rest without a slip have none.
 //   Cost: for each parameter four evaluations of each step.
 //   Source: Müller, Chaos, Solitons & Fractals 5 (1995) 1671-1681 (jump conditions of the linearized equations);
 //   Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), ch. 7.

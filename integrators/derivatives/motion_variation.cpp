@@ -12,20 +12,29 @@ namespace {
 constexpr double kParameterStep = 1e-4;  // of the value
 constexpr double kUnmoved = 1e-9;        // of a direction: its change of a gap
 
+std::vector<ParameterChange> changes_of(const std::vector<RunParameter>& parameters, const System& system,
+                                        double duration) {
+  std::vector<ParameterChange> changes;
+  for (const RunParameter& parameter : parameters)
+    changes.push_back(orthant::changes_of(parameter, system, duration, kParameterStep));
+  return changes;
+}
+
 }  // namespace
 
 MotionVariation::MotionVariation(const System& system, const std::vector<RunParameter>& parameters, double duration,
                                  const EventDrivenOptions& options, MotionTangent& result)
-    : system_(system), options_(options), base_(system), result_(result) {
+    : MotionVariation(system, parameters, changes_of(parameters, system, duration), options, result) {}
+
+MotionVariation::MotionVariation(const System& system, const std::vector<RunParameter>& parameters,
+                                 std::vector<ParameterChange> changes, const EventDrivenOptions& options,
+                                 MotionTangent& result)
+    : system_(system),
+      options_(options),
+      base_(system),
+      begins_(system, base_, begun_frictions(changes, system)),
+      result_(result) {
   const auto count = static_cast<Eigen::Index>(parameters.size());
-  std::vector<ParameterChange> changes;
-  for (const RunParameter& parameter : parameters)
-    changes.push_back(changes_of(parameter, system, duration, kParameterStep));
-  for (std::size_t j = 0; j < changes.size(); ++j)
-    if (!begun_frictions({&changes[j], 1}, system).empty())
-      throw std::invalid_argument("derivative with respect to " + parameters[j].name +
-                                  ": a motion without friction has no equations for it: mu must be > 0, or the "
-                                  "integrator moreau-jean or rattle");
   result.warnings = one_sided_in_words(parameters, changes);
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
   for (std::size_t j = 0; j < parameters.size(); ++j) {
@@ -61,25 +70,32 @@ void MotionVariation::pass(const Arc& arc, std::span<const Event> events) {
   std::vector<Event> after;
   if (arc.length > 0) {
     for (const Event& event : events) (!begun_ && event.t <= arc.start ? events_ : after).push_back(event);
-    begun_ ? cross(arc) : start(arc);
+    const std::vector<Arc>& pieces = begins_.pieces(arc, at_rest_);
+    begun_ ? cross(pieces.front()) : start(pieces.front());
     begun_ = true;
     watch_grazes(arc, after);
-    each([&](VariedDirection& d, auto dq, auto dv) {
-      const Eigen::VectorXd from_q = dq, from_v = dv;
-      map(d, arc.q0, arc.v0, from_q, from_v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
-        near.set_modes(arc.modes);
-        if (!near.move(arc.start, arc.length, q, v)) throw std::runtime_error("derivatives of a motion: not finite");
-      });
-    });
+    for (const Arc& piece : pieces) follow(piece);
+    for (const int contact : at_rest_)
+      none("contact " + name(contact) + " rests without a slip: the friction that begins there has no sense");
     if (!result_.q.allFinite() || !result_.v.allFinite())
       throw std::runtime_error("derivatives of a motion: before t = " + detail::text_of(arc.start + arc.length) +
                                " s they exceed the range of numbers: the motion is so unstable that they have no "
                                "meaning, or the duration is too long for them");
-    before_ = arc;
+    before_ = pieces.back();
     events_ = std::move(after);
   } else {
     events_.insert(events_.end(), events.begin(), events.end());
   }
+}
+
+void MotionVariation::follow(const Arc& arc) {
+  each([&](VariedDirection& d, auto dq, auto dv) {
+    const Eigen::VectorXd from_q = dq, from_v = dv;
+    map(d, arc.q0, arc.v0, from_q, from_v, dq, dv, [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+      near.set_modes(arc.modes);
+      if (!near.move(arc.start, arc.length, q, v)) throw std::runtime_error("derivatives of a motion: not finite");
+    });
+  });
 }
 
 /// Impacts at the start itself, and contacts that are closed there: what a change of their gaps and rates makes falls

@@ -3,6 +3,7 @@
 //   What motion_tangent.h says in formulas, for all parameters of one motion.
 #pragma once
 
+#include <orthant/integrators/derivatives/begun_friction.h>
 #include <orthant/integrators/derivatives/motion_tangent.h>
 #include <orthant/integrators/derivatives/nearby_motion.h>
 
@@ -91,7 +92,11 @@ class MotionVariation {
                                          const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, Out& to_q, Out& to_v,
                                          F&& f);
 
+  MotionVariation(const System& system, const std::vector<RunParameter>& parameters,
+                  std::vector<ParameterChange> changes, const EventDrivenOptions& options, MotionTangent& result);
+
   void start(const Arc& first);
+  void follow(const Arc& arc);
   void note_one_sided(const std::vector<Struck>& closed);
   void cross(const Arc& after);
   void strikes(const Arc& after, Crossing& crossing);
@@ -113,6 +118,8 @@ class MotionVariation {
   const System& system_;
   EventDrivenOptions options_;
   NearbyMotion base_;
+  BegunFriction begins_;
+  std::vector<int> at_rest_;  // contacts of an arc, whose friction begins, that do not slip
   MotionTangent& result_;
   std::vector<VariedDirection> directions_;
   std::vector<std::string> names_;  // of the parameters

@@ -219,6 +219,39 @@ TEST_CASE("tangent of a motion: a contact closed at the start, opened or struck 
   check_motion(kSlidingBlock, {{"contact.f.mu", "", "", 0.3}, {"body.b.velocity", "[", ", 0]", 2}}, 0.3, 1e-7);
 }
 
+TEST_CASE("tangent of a motion: mu = 0, of friction that begins against the slip, as it strikes and as it turns") {
+  const auto without = [](std::string text, const std::string& words, const std::string& others) {
+    const auto at = text.find(words);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, words.size(), others);
+  };
+  const std::string ball = without(kStrikingBall, "mu = 0.05", "mu = 0");
+  check_motion(ball, {{"contact.f.mu", "", "", 0}}, 0.5, 1e-5, 1);  // three impacts
+  const std::string block = without(kSlidingBlock, "mu = 0.3", "mu = 0");
+  check_motion(block, {{"contact.f.mu", "", "", 0}}, 0.3, 1e-5, 1);
+  // A spring on a belt: the slip turns six times in 3 s; at 0.9 s it has turned once.
+  const std::string spring = without(kStickSlip, "mu = 0.3\nmu_static = 0.5", "mu = 0");
+  const std::string swings = without(spring, "velocity = [0.2, 0]", "velocity = [1.2, 0]");
+  for (const double duration : {0.1, 0.9, 3.0})
+    check_motion(swings, {{"contact.f.mu", "", "", 0}, {"spring.s.stiffness", "", "", 40}}, duration, 1e-5, 1);
+
+  // The slider-crank: two corners, which slide on the wall together, turn at one time.
+  const auto crank = [](double mu) { return slider_crank({.mu = mu, .e = 0.4}); };
+  const System system(crank(0));
+  const auto solver = make_solver("auto");
+  const MotionTangent tangent = differentiate_motion(system, {{"mu", 0, crank}}, {}, *solver, 0.05);
+  CHECK(tangent.none == "");
+  const auto end = [&](double mu) { return end_of(crank(mu), "event-driven", {.step = 0.05, .duration = 0.05}).q[2]; };
+  const double step = 1e-5, difference = (4 * end(step) - 3 * end(0) - end(2 * step)) / (2 * step);
+  CHECK(tangent.q(2, 0) == doctest::Approx(difference).epsilon(1e-7));
+
+  const std::string still =
+      without(without(kSlidingBlock, "mu = 0.3", "mu = 0"), "velocity = [2, 0]", "velocity = [0, 0]");
+  const MotionTangent none = differentiate_motion(
+      System(from_text(still)({})), parameters_of(still, {{"contact.f.mu", "", "", 0}}), {}, *solver, 0.1);
+  CHECK(none.none.find("rests without a slip") != std::string::npos);
+}
+
 TEST_CASE("tangents of a start that breaks a joint: by its velocities, and by 0.2 mm") {
   check_motion(kBrokenStart, kBreaks, 0.02, 1e-7);
   std::string apart = kBrokenStart;
