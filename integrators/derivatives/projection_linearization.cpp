@@ -50,34 +50,30 @@ double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before
   set_poses(system_, t, after.q, after_.at);
   evaluate_joint_rows(system_, after_);
   dense_ = joints <= kDenseJoints;
+  fill_rows();
   if (dense_) {
     form();
     dense_ = factorize();
   }
   if (!dense_ && !basic_.factorize(system_, before_)) throw std::runtime_error("derivatives of a step: not finite");
-  rates(after_.G, moved_.data(), off_.data());
-  correct(off_.data(), lambda_.data());
-  rates(after_.G, turned_.data(), off_.data());
-  correct(off_.data(), nu_.data());
-  force_.setZero(system_.dof());
-  impulses(before_.G, lambda_.data(), force_.data());
-  force_ = moved_ - force_.cwiseProduct(system_.inverse_mass());
-  double missed = relative(force_, after.q);
-  force_.setZero(system_.dof());
-  impulses(before_.G, nu_.data(), force_.data());
-  force_ = turned_ - force_.cwiseProduct(system_.inverse_mass());
-  missed = std::max(missed, relative(force_, after.v));
+  pushed_.resize(system_.dof(), 2), pushed_ << moved_, turned_;
+  off_block_.setZero(joints, 2), lambda_block_.resize(joints, 2);
+  apply(rates_, pushed_.data(), off_block_.data(), 2);
+  correct(off_block_.data(), lambda_block_.data(), 2);
+  lambda_ = lambda_block_.col(0), nu_ = lambda_block_.col(1);
+  apply(pushes_, lambda_block_.data(), pushed_.data(), 2);
+  const double missed = std::max(relative(pushed_.col(0), after.q), relative(pushed_.col(1), after.v));
 
-  push_slopes_.clear(), rate_slopes_.clear();
+  q_push_slopes_.clear(), v_push_slopes_.clear(), rate_slopes_.clear();
   const auto& scene = system_.scene();
-  const Eigen::Index dof = system_.dof();
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     slopes_of(scene.joints[j], before_.at, slopes_.data() + system_.first_row(j));
+  const double* const inverse_mass = system_.inverse_mass().data();
   for (Eigen::Index i = 0; i < joints; ++i)
     for (const Slope& slope : slopes_[static_cast<std::size_t>(i)]) {
-      const double by = slope.value * system_.inverse_mass()[slope.of];
-      push_slopes_.push_back({slope.of, slope.by, lambda_[i] * by});
-      push_slopes_.push_back({dof + slope.of, slope.by, nu_[i] * by});
+      const double by = slope.value * inverse_mass[slope.of];
+      q_push_slopes_.push_back({slope.of, slope.by, lambda_[i] * by});
+      v_push_slopes_.push_back({slope.of, slope.by, nu_[i] * by});
     }
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     slopes_of(scene.joints[j], after_.at, slopes_.data() + system_.first_row(j));
@@ -87,31 +83,45 @@ double ProjectionLinearization::set_up(double t, const Eigen::VectorXd& q_before
   return missed;
 }
 
+// rates_ and pushes_, whose places stay the same.
+void ProjectionLinearization::fill_rows() {
+  if (rates_.empty())
+    for (Eigen::Index i = 0; i < system_.joint_rows(); ++i) {
+      each_entry(after_.G[static_cast<std::size_t>(i)], [&](Eigen::Index place, double /*j*/) {
+        rates_.push_back({i, place, 0});
+      });
+      each_entry(before_.G[static_cast<std::size_t>(i)], [&](Eigen::Index place, double /*j*/) {
+        pushes_.push_back({place, i, 0});
+      });
+    }
+  Slope* rate = rates_.data();
+  for (const Row& row : after_.G) each_entry(row, [&](Eigen::Index /*place*/, double j) { (rate++)->value = j; });
+  Slope* push = pushes_.data();
+  const double* const inverse_mass = system_.inverse_mass().data();
+  for (const Row& row : before_.G)
+    each_entry(row, [&](Eigen::Index place, double j) { (push++)->value = -j * inverse_mass[place]; });
+}
+
 void ProjectionLinearization::form() {
   const Eigen::Index joints = system_.joint_rows();
-  const Eigen::VectorXd& inverse_mass = system_.inverse_mass();
-  S_.resize(joints, joints);
-  for (Eigen::Index j = 0; j < joints; ++j) {
-    const Row& column = before_.G[static_cast<std::size_t>(j)];
-    std::array<double, 3> ja{}, jb{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto place = static_cast<Eigen::Index>(k);
-      if (column.a >= 0) ja[k] = column.ja[k] * inverse_mass[kBlock * column.a + place];
-      if (column.b >= 0) jb[k] = column.jb[k] * inverse_mass[kBlock * column.b + place];
-    }
-    const auto product = [](const std::array<double, 3>& x, const std::array<double, 3>& y) {
-      return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
-    };
-    double* entry = S_.data() + j;
-    for (const Row& row : after_.G) {
-      double sum = 0;
-      if (row.a >= 0 && row.a == column.a) sum += product(row.ja, ja);
-      if (row.a >= 0 && row.a == column.b) sum += product(row.ja, jb);
-      if (row.b >= 0 && row.b == column.a) sum += product(row.jb, ja);
-      if (row.b >= 0 && row.b == column.b) sum += product(row.jb, jb);
-      *entry = sum, entry += joints;
-    }
+  if (coupled_.empty()) {  // bodies and places stay the same
+    S_.resize(joints, joints);
+    for (Eigen::Index i = 0; i < joints; ++i)
+      for (Eigen::Index j = 0; j < joints; ++j) {
+        const Row &rate = after_.G[static_cast<std::size_t>(i)], &push = before_.G[static_cast<std::size_t>(j)];
+        const auto couple = [&](BodyId body, const Row::Entries& of_rate, BodyId other, const Row::Entries& of_push) {
+          if (body >= 0 && body == other)
+            coupled_.push_back(
+                {of_rate.data(), of_push.data(), system_.inverse_mass().data() + kBlock * body, &S_(i, j)});
+        };
+        couple(rate.a, rate.ja, push.a, push.ja), couple(rate.a, rate.ja, push.b, push.jb);
+        couple(rate.b, rate.jb, push.a, push.ja), couple(rate.b, rate.jb, push.b, push.jb);
+      }
   }
+  S_.setZero();
+  for (const Coupled& c : coupled_)
+    *c.S += c.rate[0] * c.inverse_mass[0] * c.push[0] + c.rate[1] * c.inverse_mass[1] * c.push[1] +
+            c.rate[2] * c.inverse_mass[2] * c.push[2];
 }
 
 // L U with partial pivoting.
@@ -139,18 +149,13 @@ bool ProjectionLinearization::factorize() {
   return true;
 }
 
-void ProjectionLinearization::correct(const double* off, double* lambda) {
+void ProjectionLinearization::correct(const double* off, double* lambda, Eigen::Index count) {
   const Eigen::Index n = system_.joint_rows();
-  if (!dense_) return iterate(before_, after_, off, lambda);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    double sum = off[row_[static_cast<std::size_t>(i)]];
-    for (Eigen::Index j = 0; j < i; ++j) sum -= S_(i, j) * lambda[j];
-    lambda[i] = sum;
-  }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    double sum = lambda[i];
-    for (Eigen::Index j = i + 1; j < n; ++j) sum -= S_(i, j) * lambda[j];
-    lambda[i] = sum * S_(i, i);
+  if (dense_) return solve_block(S_.data(), row_.data(), n, off, lambda, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) off_[i] = off[i * count + j];
+    iterate(before_, after_, off_.data(), unused_joints_.data());
+    for (Eigen::Index i = 0; i < n; ++i) lambda[i * count + j] = unused_joints_[i];
   }
 }
 
@@ -165,32 +170,6 @@ void ProjectionLinearization::correct_transposed(const double* off, double* lamb
   for (Eigen::Index j = n - 1; j >= 0; --j)
     for (Eigen::Index i = 0; i < j; ++i) x_[i] -= S_(j, i) * x_[j];
   for (Eigen::Index i = 0; i < n; ++i) lambda[row_[static_cast<std::size_t>(i)]] = x_[i];
-}
-
-void ProjectionLinearization::correct_block(Eigen::Index count) {
-  const Eigen::Index n = system_.joint_rows();
-  unordered_.resize(n, count);
-  if (count == 1 || !dense_) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      off_ = wanted_.col(j);
-      correct(off_.data(), unused_joints_.data());
-      unordered_.col(j) = unused_joints_;
-    }
-    wanted_.swap(unordered_);
-    return;
-  }
-  double* const to = unordered_.data();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    std::copy_n(wanted_.data() + row_[static_cast<std::size_t>(i)] * count, count, to + i * count);
-    for (Eigen::Index j = 0; j < i; ++j)
-      if (S_(i, j) != 0) add_scaled(count, -S_(i, j), to + j * count, to + i * count);
-  }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    for (Eigen::Index j = i + 1; j < n; ++j)
-      if (S_(i, j) != 0) add_scaled(count, -S_(i, j), to + j * count, to + i * count);
-    for (Eigen::Index j = 0; j < count; ++j) to[i * count + j] *= S_(i, i);
-  }
-  wanted_.swap(unordered_);
 }
 
 void ProjectionLinearization::iterate(const Terms& push, const Terms& rate, const double* off, double* lambda) {
@@ -259,46 +238,27 @@ void ProjectionLinearization::part_of(const ParameterChange& parameter, SparsePa
   }
 }
 
-void ProjectionLinearization::close(Eigen::Index count, double* x) {
-  const Eigen::Index joints = system_.joint_rows();
-  for (Eigen::Index i = 0; i < joints; ++i)
-    add_rate(after_.G[static_cast<std::size_t>(i)], -1, x, count, wanted_.data() + i * count);
-  correct_block(count);
-  for (Eigen::Index i = 0; i < joints; ++i)
-    each_entry(before_.G[static_cast<std::size_t>(i)], [&](Eigen::Index place, double j) {
-      add_scaled(count, j * system_.inverse_mass()[place], wanted_.data() + i * count, x + place * count);
-    });
+void ProjectionLinearization::close(Eigen::Index count, double* off, double* x) {
+  lambda_block_.resize(system_.joint_rows(), count);
+  apply(rates_, x, off, count);
+  correct(off, lambda_block_.data(), count);
+  apply(pushes_, lambda_block_.data(), x, count);
 }
 
 void ProjectionLinearization::push(const PartsOf& parameters, DirectionBlock& q, DirectionBlock& v) {
   const Eigen::Index dof = system_.dof(), joints = system_.joint_rows(), count = q.cols();
   if (joints == 0) return;
-  pushed_.setZero(2 * dof, count);
-  apply(push_slopes_, q.data(), pushed_.data(), count);
-  const auto each_part = [&](auto&& take) {  // take(place, parameter, value)
-    for (Eigen::Index j = 0; j < count; ++j)
-      for (const auto& [place, value] : (*parameters.first)[static_cast<std::size_t>(j)].*parameters.second)
-        take(place, j, value);
-  };
-  each_part([&](Eigen::Index place, Eigen::Index j, double value) {
-    if (place < 2 * dof) pushed_(place, j) += value;
-  });
-  for (Eigen::Index i = 0; i < dof * count; ++i) {
-    q.data()[i] += pushed_.data()[i];
-    v.data()[i] += pushed_.data()[dof * count + i];
-  }
-  wanted_.setZero(joints, count);
-  each_part([&](Eigen::Index place, Eigen::Index j, double value) {
-    if (place >= 2 * dof && place < 2 * dof + joints) wanted_(place - 2 * dof, j) -= value;
-  });
-  close(count, q.data());
-  wanted_.setZero(joints, count);
-  for (const Slope& slope : rate_slopes_)
-    add_scaled(count, -slope.value, q.data() + slope.by * count, wanted_.data() + slope.of * count);
-  each_part([&](Eigen::Index place, Eigen::Index j, double value) {
-    if (place >= 2 * dof + joints) wanted_(place - 2 * dof - joints, j) -= value;
-  });
-  close(count, v.data());
+  pushed_.setZero(dof, count), off_block_.setZero(2 * joints, count);  // Φ̇_p, then (G⁺ v⁺ − ṡ)˙
+  apply(v_push_slopes_, q.data(), v.data(), count);
+  apply(q_push_slopes_, q.data(), pushed_.data(), count);
+  q += pushed_;
+  for (Eigen::Index j = 0; j < count; ++j)
+    for (const auto& [place, value] : (*parameters.first)[static_cast<std::size_t>(j)].*parameters.second)
+      (place < dof ? q(place, j) : place < 2 * dof ? v(place - dof, j) : off_block_(place - 2 * dof, j)) += value;
+  double* const of_rates = off_block_.data() + joints * count;
+  close(count, off_block_.data(), q.data());
+  apply(rate_slopes_, q.data(), of_rates, count);
+  close(count, of_rates, v.data());
 }
 
 void ProjectionLinearization::pull(double* q, double* v, Eigen::VectorXd& by) {
@@ -320,7 +280,8 @@ void ProjectionLinearization::pull(double* q, double* v, Eigen::VectorXd& by) {
   apply_transposed(rate_slopes_, of_rate, q);
   open(of_q, by.data() + 2 * dof);
   by.head(dof) = of_q, by.segment(dof, dof) = of_v;
-  apply_transposed(push_slopes_, by.data(), q);
+  apply_transposed(q_push_slopes_, by.data(), q);
+  apply_transposed(v_push_slopes_, by.data() + dof, q);
 }
 
 }  // namespace orthant

@@ -46,12 +46,12 @@ class ProjectionLinearization {
   void pull(double* q, double* v, Eigen::VectorXd& by);
 
  private:
-  void form();                                                 // S_
-  bool factorize();                                            // S_, in place; false: singular
-  void correct(const double* off, double* lambda);             // S⁻¹
-  void correct_transposed(const double* off, double* lambda);  // S⁻ᵀ
-  void correct_block(Eigen::Index count);                      // wanted_ ← S⁻¹ wanted_
-  void close(Eigen::Index count, double* x);                   // x += M⁻¹ G*ᵀ S⁻¹ (wanted_ − G⁺ x)
+  void fill_rows();
+  void form();                                                          // S_
+  bool factorize();                                                     // S_, in place; false: singular
+  void correct(const double* off, double* lambda, Eigen::Index count);  // S⁻¹, of blocks
+  void correct_transposed(const double* off, double* lambda);           // S⁻ᵀ
+  void close(Eigen::Index count, double* off, double* x);               // x −= M⁻¹ G*ᵀ S⁻¹ (off + G⁺ x)
   /// λ with G_rate M⁻¹ G_pushᵀ λ = off, by corrections that basic_ finds at q*.
   void iterate(const Terms& push, const Terms& rate, const double* off, double* lambda);
   void rates(const std::vector<Row>& rows, const double* x, double* to) const;
@@ -62,11 +62,18 @@ class ProjectionLinearization {
   BasicSystem basic_;     // at q*, where `dense_` is not
   Eigen::VectorXd after_v_, moved_, turned_, lambda_, nu_;
   std::vector<RowSlope> slopes_;
-  std::vector<Slope> push_slopes_, rate_slopes_;  // of M⁻¹ G*ᵀ λ and, behind, of ν by q*; of G⁺ v⁺ by q⁺
+  std::vector<Slope> rates_, pushes_;                 // G⁺; −M⁻¹ G*ᵀ
+  std::vector<Slope> q_push_slopes_, v_push_slopes_;  // of M⁻¹ G*ᵀ λ and of M⁻¹ G*ᵀ ν by q*
+  std::vector<Slope> rate_slopes_;                    // of G⁺ v⁺ by q⁺
+  struct Coupled {  // rows of G⁺ and G*, by one body: their entries on it, its M⁻¹, the entry of S
+    const double *rate, *push, *inverse_mass;
+    double* S;
+  };
+  std::vector<Coupled> coupled_;
   bool dense_ = true;
-  DirectionBlock S_;                            // L with unit diagonal, and U, the diagonal inverted
-  std::vector<Eigen::Index> row_;               // of S in row i of S_
-  DirectionBlock pushed_, wanted_, unordered_;  // blocks of directions
+  DirectionBlock S_;                                  // L with unit diagonal, and U, the diagonal inverted
+  std::vector<Eigen::Index> row_;                     // of S in row i of S_
+  DirectionBlock pushed_, off_block_, lambda_block_;  // blocks of directions
   Eigen::VectorXd force_, off_, x_, left_, none_, unused_, unused_joints_;
 };
 

@@ -8,17 +8,12 @@
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/integrators/derivatives/slope_blocks.h>
 
 #include <Eigen/Core>
 #include <array>
 
 namespace orthant {
-
-/// An entry of a sparse matrix that is only applied: forwards y_of += value x_by, or transposed.
-struct Slope {
-  Eigen::Index of = 0, by = 0;
-  double value = 0;
-};
 
 struct RowSlope {
   std::array<Slope, 36> entries;
@@ -36,24 +31,12 @@ void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& 
 void slope_of(const Coordinate& coordinate, Kinematics& at, RowSlope& slope);
 void slope_of(const Spring& spring, Kinematics& at, RowSlope& slope);
 
-template <int n> inline void add_scaled_fixed(double a, const double* x, double* y) {
-  Eigen::Map<Eigen::Array<double, n, 1>>{y} += a * Eigen::Map<const Eigen::Array<double, n, 1>>{x};
-}
-/// y += a x, of one row of a block. Few columns: the compiler knows the lengths.
-inline void add_scaled(Eigen::Index count, double a, const double* x, double* y) {
-  for (; count >= 8; count -= 8, x += 8, y += 8) add_scaled_fixed<8>(a, x, y);
-  if ((count & 4) != 0) add_scaled_fixed<4>(a, x, y), x += 4, y += 4;
-  if ((count & 2) != 0) add_scaled_fixed<2>(a, x, y), x += 2, y += 2;
-  if ((count & 1) != 0) *y += a * *x;
-}
-
 inline void apply(const std::vector<Slope>& slopes, const double* x, double* y) {
   for (const Slope& s : slopes) y[s.of] += s.value * x[s.by];
 }
 /// Likewise of blocks of `count` columns, stored by rows: row i begins at i · count.
 inline void apply(const std::vector<Slope>& slopes, const double* x, double* y, Eigen::Index count) {
-  if (count == 1) return apply(slopes, x, y);
-  for (const Slope& s : slopes) add_scaled(count, s.value, x + s.by * count, y + s.of * count);
+  count == 1 ? apply(slopes, x, y) : apply_to_block(slopes, x, y, count);
 }
 /// to += by · J x and f += Jᵀ (by · λ) of one row, of such blocks.
 inline void add_rate(const Row& row, double by, const double* x, Eigen::Index count, double* to) {

@@ -193,6 +193,10 @@ void StepLinearization::linearize_rows() {
   const double a = options_.theta;
   const auto& scene = system_.scene();
   by_pose_.clear(), by_velocity_.clear();
+  for (Index i = 0; i < dof; ++i) by_velocity_.push_back({i, i, -system_.mass()[i]});
+  const double of_mean = 1 / a - 1;  // of G v in r₂
+  for (Index i = 0; i < joints && of_mean != 0; ++i)
+    each_entry(terms_.G[at(i)], [&](Index place, double j) { by_velocity_.push_back({dof + i, place, of_mean * j}); });
   fixed_ = step.before.v / a + change_;
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     slopes_of(scene.joints[j], terms_.at, slopes_.data() + system_.first_row(j));
@@ -224,6 +228,11 @@ void StepLinearization::linearize_rows() {
 void StepLinearization::solve_columns(Index count, const double* f, const double* c, DirectionBlock& x) {
   const Index dof = system_.dof(), joints = system_.joint_rows();
   x.resize(dof, count);
+  if (joints == 0 && system_.scene().springs.empty()) {  // M alone
+    for (Index i = 0; i < dof; ++i)
+      for (Index j = 0; j < count; ++j) x(i, j) = system_.inverse_mass()[i] * f[i * count + j];
+    return;
+  }
   if (count == 1) return basic_.solve(f, c != nullptr ? c : none_.data(), x.data(), unused_joints_.data());
   by_z_.resize(dof + joints);
   for (Index j = 0; j < count; ++j) {
@@ -241,12 +250,8 @@ void StepLinearization::push(const std::vector<StepPart>& parameters, DirectionB
   const double h = step.h, theta = options_.theta;
   rho_.setZero(size(), count);
   q_at_ = q + theta * h * v;
-  for (Index i = 0; i < dof; ++i) add_scaled(count, -system_.mass()[i], v.data() + i * count, rho_.data() + i * count);
   orthant::apply(by_pose_, q_at_.data(), rho_.data(), count);
   orthant::apply(by_velocity_, v.data(), rho_.data(), count);
-  const double of_mean = 1 / theta - 1;  // of G v in r₂
-  for (Index i = 0; i < joints; ++i)
-    add_rate(terms_.G[at(i)], of_mean, v.data(), count, rho_.data() + (dof + i) * count);
   for (Index j = 0; j < count; ++j)
     for (const auto& [place, value] : parameters[at(j)].step) rho_(place, j) += value;
 
@@ -273,16 +278,32 @@ void StepLinearization::push_contacts(Index count, std::vector<ImpulseChange>* i
   z_.resize(rows, count);
   const double* const hi = step.first_friction < rows ? w + rows * count : nullptr;
   consistent_ = sensitivity_.tangent(w, hi, w + 2 * rows * count, count, z_.data()) && consistent_;
-  forces_.setZero(dof, count);
-  for (Index i = 0; i < rows; ++i) add_impulse(rows_[at(i)], 1, z_.data() + i * count, count, forces_.data());
-  solve_columns(count, forces_.data(), nullptr, by_force_);
-  solved_ += by_force_;
+  add_response(count);
   for (Index j = 0; j < count && impulses != nullptr; ++j)
     for (std::size_t k = 0; k < places_.size(); ++k) {
       ImpulseChange& change = (*impulses)[at(j)];
       if (places_[k].normal >= 0) change.normal[step.contacts[k]] = z_(places_[k].normal, j);
       if (places_[k].tangent >= 0) change.tangent[step.contacts[k]] = z_(places_[k].tangent, j);
     }
+}
+
+// solved_ += B Jᵀ z_: row by row where fewer of them change than there are columns.
+void StepLinearization::add_response(Index count) {
+  const Index dof = system_.dof(), rows = step_->rows;
+  changed_.clear();
+  for (Index i = 0; i < rows; ++i)
+    if (!z_.row(i).isZero(0)) changed_.push_back(i);  // others are open, or at a bound that stays
+  if (system_.joint_rows() > 0 && std::ssize(changed_) <= count) {
+    for (const Index i : changed_) {
+      basic_.solve_row(rows_[at(i)], by_z_.data());
+      for (Index k = 0; k < dof; ++k) add_scaled(count, by_z_[k], z_.data() + i * count, solved_.data() + k * count);
+    }
+    return;
+  }
+  forces_.setZero(dof, count);
+  for (const Index i : changed_) add_impulse(rows_[at(i)], 1, z_.data() + i * count, count, forces_.data());
+  solve_columns(count, forces_.data(), nullptr, by_force_);
+  solved_ += by_force_;
 }
 
 void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses) {
@@ -309,12 +330,10 @@ void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses
   basic_.solve(of_v.data(), none_.data(), by_step_.data(), by_step_.data() + dof);
   by_step_.head(dof) *= -1;
 
-  of_v = h * (1 - options_.theta) * of_q - system_.mass().cwiseProduct(by_step_.head(dof));
+  of_v = h * (1 - options_.theta) * of_q;
   q_a_.setZero();
   apply_transposed(by_pose_, by_step_.data(), q_a_.data());
   apply_transposed(by_velocity_, by_step_.data(), v);
-  const double of_mean = 1 / options_.theta - 1;
-  for (Index i = 0; i < joints; ++i) apply_transposed(terms_.G[at(i)], of_mean * by_step_[dof + i], v);
   of_q += q_a_;
   of_v += options_.theta * h * q_a_;
 }

@@ -113,9 +113,11 @@ class StepLinearization {
   Judge judge_;
   Solution solution_;
   void push_contacts(Index count, std::vector<ImpulseChange>* impulses);
+  void add_response(Index count);
   void solve_columns(Index count, const double* f, const double* c, DirectionBlock& x);  // basic_; c null: 0
   Eigen::VectorXd fixed_, by_z_, q_a_, force_, none_, unused_joints_, by_step_, by_projection_;
   DirectionBlock rho_, q_at_, solved_, z_, forces_, by_force_;  // of the directions
+  std::vector<Index> changed_;                                  // rows
 };
 
 }  // namespace orthant

@@ -76,7 +76,8 @@ void StepLinearization::element_parts(const ParameterChange& parameter, SparsePa
   };
   std::vector<Row> rows;
   std::vector<double> rate;
-  const Eigen::VectorXd mean = step.before.v / a + change_;
+  Eigen::VectorXd mean;
+  if (!parameter.joints.empty()) mean = step.before.v / a + change_;
   for (const int joint : parameter.joints) {
     const auto j = static_cast<std::size_t>(joint);
     const int first = system_.first_row(j), count = row_count(system_.scene().joints[j]);

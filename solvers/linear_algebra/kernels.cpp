@@ -1,14 +1,7 @@
+#include <orthant/core/support/every_width.h>
 #include <orthant/solvers/linear_algebra/kernels.h>
 
 #include <cmath>
-
-// Where the linker resolves a function by the machine (GNU indirect functions), which sanitizers do not survive.
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define ORTHANT_EVERY_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define ORTHANT_EVERY_WIDTH
-#endif
 
 namespace orthant::detail {
 
