@@ -76,6 +76,42 @@ void pin_slopes(const Kinematics& at, BodyId body, const Vector2d& point, double
   slopes[0].add(turn, turn, -sign * r.x()), slopes[1].add(turn, turn, -sign * r.y());
 }
 
+/// The rows along and across d = P_a − P_b, of points that lie radius_a and radius_b further in from P_a and P_b:
+///   n = d / |d|, ∂n = (∂d − n n · ∂d) / |d|;  j_a = (n, r_a × n), j_b = −(n, r_b × n), likewise across
+void line_slopes(const Kinematics& at, const Span& of, double radius_a, double radius_b, RowSlope& along,
+                 RowSlope* across) {
+  const Vector2d arm_a = at.at(of.a).turn(of.point_a), arm_b = at.at(of.b).turn(of.point_b);
+  const Vector2d d = at.at(of.a).x + arm_a - at.at(of.b).x - arm_b;
+  const double length = d.norm();
+  along.count = 0;
+  if (across != nullptr) across->count = 0;
+  if (!(length > 0)) return;
+  const Vector2d n = d / length, r_a = arm_a - radius_a * n, r_b = arm_b + radius_b * n;
+  for (const bool second : {false, true}) {
+    const BodyId body = second ? of.b : of.a;
+    for (int c = 0; c < 3 && body >= 0; ++c) {
+      const Vector2d moves = c < 2 ? Vector2d::Unit(c) : perp(second ? arm_b : arm_a);  // of the body's point
+      const Vector2d d_d = second ? Vector2d(-moves) : moves, d_n = (d_d - n * n.dot(d_d)) / length;
+      const Vector2d turned = c == 2 ? moves : Vector2d(0, 0);  // of its arm
+      const Vector2d d_a = (second ? Vector2d(0, 0) : turned) - radius_a * d_n;
+      const Vector2d d_b = (second ? turned : Vector2d(0, 0)) + radius_b * d_n;
+      const Eigen::Index by = kBlock * body + c;
+      const auto put = [&](RowSlope& slope, const Vector2d& u, const Vector2d& d_u) {
+        if (of.a >= 0) {
+          slope.add(kBlock * of.a, by, d_u.x()), slope.add(kBlock * of.a + 1, by, d_u.y());
+          slope.add(kBlock * of.a + 2, by, cross(d_a, u) + cross(r_a, d_u));
+        }
+        if (of.b >= 0) {
+          slope.add(kBlock * of.b, by, -d_u.x()), slope.add(kBlock * of.b + 1, by, -d_u.y());
+          slope.add(kBlock * of.b + 2, by, -cross(d_b, u) - cross(r_b, d_u));
+        }
+      };
+      put(along, n, d_n);
+      if (across != nullptr) put(*across, tangent_of(n), tangent_of(d_n));
+    }
+  }
+}
+
 Bend bend_of(const Slide& slide) { return slide.a < 0 ? Bend::turned : Bend::placed; }
 Bend bend_of(const Coordinate& c) {
   if (const auto* slide = std::get_if<Slide>(&c.kind())) return bend_of(*slide);
@@ -83,8 +119,6 @@ Bend bend_of(const Coordinate& c) {
 }
 Bend bend_of(const Fixed& /*joint*/) { return Bend::turned; }
 Bend bend_of(const Prismatic& joint) { return joint.a < 0 ? Bend::turned : Bend::placed; }
-Bend bend_of(const Distance& /*joint*/) { return Bend::curved; }
-Bend bend_of(const Drive& joint) { return bend_of(joint.of); }
 Bend bend_of(const CustomJoint& /*joint*/) { return Bend::curved; }
 Bend bend_of(const CornerWall& contact) { return contact.b < 0 ? Bend::turned : Bend::placed; }
 Bend bend_of(const DiscWall& contact) { return contact.b < 0 ? Bend::turned : Bend::placed; }
@@ -101,6 +135,10 @@ void slopes_of(const Joint& joint, Kinematics& at, RowSlope* slopes) {
         if constexpr (std::is_same_v<std::remove_cvref_t<decltype(j)>, Revolute>) {
           slopes[0].count = slopes[1].count = 0;
           pin_slopes(at, j.a, j.point_a, 1, slopes), pin_slopes(at, j.b, j.point_b, -1, slopes);
+        } else if constexpr (std::is_same_v<std::remove_cvref_t<decltype(j)>, Distance>) {
+          line_slopes(at, {j.a, j.b, j.point_a, j.point_b}, 0, 0, slopes[0], nullptr);
+        } else if constexpr (std::is_same_v<std::remove_cvref_t<decltype(j)>, Drive>) {
+          slope_of(j.of, at, slopes[0]);
         } else if constexpr (requires { j.row_count(); }) {
           for (int i = 0; i < j.row_count(); ++i) {  // a custom joint may have any number
             std::vector<Row> all(static_cast<std::size_t>(j.row_count()));
@@ -119,6 +157,9 @@ void slopes_of(const Joint& joint, Kinematics& at, RowSlope* slopes) {
 }
 
 void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& slopes) {
+  if (const auto* discs = std::get_if<DiscDisc>(&contact))
+    return line_slopes(at, {discs->a, discs->b, discs->centre_a, discs->centre_b}, discs->radius_a, discs->radius_b,
+                       slopes[0], &slopes[1]);
   std::visit(
       [&](const auto& c) {
         const auto [a, b] = bodies_of(c);
@@ -132,6 +173,7 @@ void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& 
 }
 
 void slope_of(const Coordinate& coordinate, Kinematics& at, RowSlope& slope) {
+  if (const auto* span = std::get_if<Span>(&coordinate.kind())) return line_slopes(at, *span, 0, 0, slope, nullptr);
   const auto [a, b] = std::visit([](const auto& c) { return std::pair{c.a, c.b}; }, coordinate.kind());
   find_slopes<1>(
       at, a, b, bend_of(coordinate), [&](const Kinematics& k, Row* G) { *G = coordinate.row(k); }, &slope);
