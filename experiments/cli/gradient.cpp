@@ -22,11 +22,7 @@ struct GradientArguments {
   bool json = false;
 };
 
-std::string name_of_contact(const Scene& scene, int contact) {
-  return std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]);
-}
-
-std::vector<std::string> warnings_of(const RunTangent& tangent, const Scene& scene) {
+std::vector<std::string> warnings_of(const RunTangent& tangent, const AnyScene& scene) {
   std::vector<std::string> all = tangent.warnings;
   if (!tangent.degenerate.empty()) {
     const DegenerateStep& first = tangent.degenerate.front();
@@ -63,11 +59,11 @@ nlohmann::ordered_json as_json(const GradientArguments& arguments, const Gradien
 
 int run_gradient(const GradientArguments& arguments) {
   const SceneSource source{{}, arguments.scene, arguments.sets};
-  const Scene scene = source.make();
+  const AnyScene scene = source.make();
   const StopSignal stop;
   const auto solver = make_solver(arguments.solver);
-  const Clock clock{.step = arguments.step.value_or(scene.step),
-                    .duration = arguments.duration.value_or(scene.duration),
+  const Clock clock{.step = arguments.step.value_or(step_of(scene)),
+                    .duration = arguments.duration.value_or(duration_of(scene)),
                     .time_limit = arguments.time_limit.value_or(kInf),
                     .cancel = StopSignal::flag()};
   const GradientOfRun gradient =
@@ -99,20 +95,25 @@ int run_gradient(const GradientArguments& arguments) {
 
 void add_gradient(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<GradientArguments>();
-  CLI::App* command = app.add_subcommand("gradient", "Derivatives of a planar run's last row by parameters and start");
+  CLI::App* command = app.add_subcommand("gradient", "Derivatives of a run's last row by parameters and start");
   command->add_option("scene", arguments->scene, "built-in scene or TOML file")->required();
-  command->add_option("--of", arguments->of, "columns, such as crank.theta,corner1.gap,corner1.impulse_n")
+  command
+      ->add_option("--of", arguments->of,
+                   "columns, such as crank.theta,corner1.gap,corner1.impulse_n; in space rod.x, rod.qw, "
+                   "rod.wz, ball.impulse_t1")
       ->required()
       ->delimiter(',');
   command
       ->add_option("--wrt", arguments->wrt,
                    "keys of --set with a number, such as mu or body.rod.mass, entries of arrays as "
-                   "body.rod.position[0], and start.BODY.x, y, theta, vx, vy, omega")
+                   "body.rod.position[0], and start.BODY.x, y, theta, vx, vy, omega; in space x, y, z, rx, ry, rz "
+                   "(turns about the world's axes), vx, vy, vz, wx, wy, wz")
       ->required()
       ->delimiter(',');
   command
       ->add_option("--integrator", arguments->integrator,
-                   "moreau-jean, rattle, or event-driven (the motion itself) [:option=value,...]")
+                   "moreau-jean; in the plane also rattle, or event-driven (the motion itself) "
+                   "[:option=value,...]")
       ->capture_default_str();
   add_run_options(*command, *arguments);
   add_time_limit(*command, arguments->time_limit, "of the run [s of wall time]");

@@ -31,7 +31,7 @@ nlohmann::ordered_json listed(const Eigen::VectorXd& numbers) {
 int run_lyapunov(const LyapunovArguments& arguments) {
   const SceneSource source{{}, arguments.scene, arguments.sets};
   LyapunovClock clock = arguments.clock;
-  clock.duration = arguments.duration.value_or(source.make().duration);
+  clock.duration = arguments.duration.value_or(duration_of(source.make()));
   if (clock.every == 0) clock.every = clock.duration / 100;
   const StopSignal stop;
   const auto solver = make_solver(arguments.solver);

@@ -80,22 +80,21 @@ py::array_t<double> table_of_rows(const std::vector<double>& numbers, std::vecto
   return py::array_t<double>(std::move(shape), numbers.data());
 }
 
-py::list degenerate_of(const Scene& scene, const std::vector<DegenerateStep>& steps) {
+py::list degenerate_of(const AnyScene& scene, const std::vector<DegenerateStep>& steps) {
   py::list degenerate;
   for (const DegenerateStep& one : steps) {
     py::list names;
-    for (const int contact : one.contacts)
-      names.append(std::visit([](const auto& c) { return c.name; }, scene.contacts[static_cast<std::size_t>(contact)]));
+    for (const int contact : one.contacts) names.append(name_of_contact(scene, contact));
     degenerate.append(py::make_tuple(one.t, names));
   }
   return degenerate;
 }
 
 /// Without step or duration: the scene's.
-Clock clock_of(const Scene& scene, std::optional<double> step, std::optional<double> duration, long every,
+Clock clock_of(const AnyScene& scene, std::optional<double> step, std::optional<double> duration, long every,
                const std::atomic<bool>* cancel = nullptr) {
-  return {.step = step.value_or(scene.step),
-          .duration = duration.value_or(scene.duration),
+  return {.step = step.value_or(step_of(scene)),
+          .duration = duration.value_or(duration_of(scene)),
           .every = every,
           .cancel = cancel};
 }
@@ -107,7 +106,7 @@ py::tuple gradient(const std::optional<std::string>& text, const std::string& sc
                    const std::vector<std::string>& wrt, const std::string& integrator, const std::string& solver,
                    std::optional<double> step, std::optional<double> duration, long every) {
   const SceneSource source{text, scene_name, sets};
-  const Scene scene = source.make();
+  const AnyScene scene = source.make();
   const auto method = make_solver(solver);
   const Interruptible interruptible;
   const Clock clock = clock_of(scene, step, duration, every, interruptible.flag());
@@ -128,7 +127,7 @@ py::tuple gradient(const std::optional<std::string>& text, const std::string& sc
 long records_of_run(const std::optional<std::string>& text, const std::string& scene_name,
                     const std::vector<std::string>& sets, std::optional<double> step, std::optional<double> duration,
                     long every) {
-  const Scene scene = SceneSource{text, scene_name, sets}.make();
+  const AnyScene scene = SceneSource{text, scene_name, sets}.make();
   const Clock clock = clock_of(scene, step, duration, every);
   check(clock);
   return RunSteps(clock).records();
@@ -142,7 +141,7 @@ py::tuple vjp_of_run(const std::optional<std::string>& text, const std::string& 
                      std::optional<double> step, std::optional<double> duration, long every,
                      std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> weights, bool sum) {
   const SceneSource source{text, scene_name, sets};
-  const Scene scene = source.make();
+  const AnyScene scene = source.make();
   const auto method = make_solver(solver);
   const Interruptible interruptible;
   const Clock clock = clock_of(scene, step, duration, every, interruptible.flag());

@@ -18,6 +18,12 @@
 namespace orthant {
 namespace {
 
+template <class Space> using SceneIn = typename ElementsOf<Space>::Scene;
+
+template <class Space> SceneIn<Space> make_in(const SceneSource& source, const std::vector<std::string>& sets) {
+  return std::get<SceneIn<Space>>(source.make_with(sets));
+}
+
 [[noreturn]] void refuse_parameter(const std::string& key, const std::string& rule) {
   throw std::invalid_argument("parameter '" + in_one_line(key) + "': " + rule);
 }
@@ -59,7 +65,9 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
           if (option.name == key) return option.value;
     return {};
   }
-  const toml::table root = toml::parse(source.text ? *source.text : read_scene_text(source.name));  // it has been read
+  const std::string text = source.text ? *source.text : read_scene_text(source.name);  // it has been read
+  if (text.find_first_not_of(" \t\r\n") == text.find('<')) return {};  // a model in XML has no such keys
+  const toml::table root = toml::parse(text);
   const toml::node* node = node_at(root, key);
   if (node == nullptr) {  // KIND.NAME.KEY
     const auto dot = key.find('.'), second = key.find('.', dot + 1);
@@ -88,15 +96,17 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
 }
 
 /// The text of a value that the scene leaves at its default, found by trial; empty: none of the usual ones is it.
-std::string text_of_default(const SceneSource& source, const Scene& scene, const std::string& key, bool is_array) {
+template <class Space> std::string text_of_default(const SceneSource& source, const SceneIn<Space>& scene,
+                                                   const std::string& key, bool is_array) {
   if (!source.text && is_built_in(source.name)) return {};
-  const System given(scene);
-  const std::vector<std::string> usual =
-      is_array ? std::vector<std::string>{"[0, 0]", "[1, 0]", "[0, 1]"} : std::vector<std::string>{"0", "1"};
+  const SystemOf<Space> given(scene);
+  std::vector<std::string> usual = {"0", "1"};
+  if (is_array && kPlanar<Space>) usual = {"[0, 0]", "[1, 0]", "[0, 1]"};
+  if (is_array && !kPlanar<Space>) usual = {"[0, 0, 0]", "[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]", "[1, 0, 0, 0]"};
   for (const std::string& text : usual) try {
       std::vector<std::string> sets = source.sets;
       sets.push_back(key + "=" + text);
-      if (same_elements(given, System(source.make_with(sets)))) return text;
+      if (same_elements(given, SystemOf<Space>(make_in<Space>(source, sets)))) return text;
     } catch (const std::invalid_argument&) {  // no key of the scene, or out of range
     }
   return {};
@@ -118,34 +128,48 @@ std::vector<double> numbers_in(const std::string& text) {
   return numbers;
 }
 
-/// The place of "crank.theta" in q, or behind q in v; −1: there is none.
-Index place_of(const Scene& scene, const std::string& column) {
+/// The place of "crank.theta" in q, or behind q in v; in space among the columns of bodies. −1: there is none.
+template <class Space> Index place_of_column(const SceneIn<Space>& scene, const std::string& column) {
   const std::vector<std::string> columns = body_columns(scene);
   const auto found = std::find(columns.begin(), columns.end(), column);
   if (found == columns.end()) return -1;
   const auto k = static_cast<Index>(found - columns.begin());
+  if constexpr (!kPlanar<Space>) return k;
   const Index body = k / 6, part = k % 6, dof = 3 * static_cast<Index>(scene.bodies.size());
   return part < 3 ? 3 * body + part : dof + 3 * body + part - 3;
 }
 
-}  // namespace
-
-Scene SceneSource::make_with(const std::vector<std::string>& other_sets) const {
-  AnyScene made = text ? parse_any_scene(*text, other_sets, name) : make_any_scene(name, other_sets);
-  if (auto* planar = std::get_if<Scene>(&made)) return std::move(*planar);
-  throw std::invalid_argument("gradients: the scene must be planar");
+/// RunParameterOf::start of "crank.theta"; −1: none.
+template <class Space> Index place_of_start(const SceneIn<Space>& scene, const std::string& column) {
+  if constexpr (kPlanar<Space>) {
+    return place_of_column<Space>(scene, column);
+  } else {
+    constexpr const char* kParts[] = {".x", ".y", ".z", ".rx", ".ry", ".rz", ".vx", ".vy", ".vz", ".wx", ".wy", ".wz"};
+    const Index dof = Space::kVelocities * std::ssize(scene.bodies);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+      for (Index k = 0; k < 12; ++k)
+        if (column == scene.bodies[i].name + kParts[k]) {
+          const Index first = Space::kVelocities * static_cast<Index>(i);
+          return k < 6 ? first + k : dof + first + k - 6;
+        }
+    return -1;
+  }
 }
 
-RunParameter parameter_of(const SceneSource& source, const Scene& scene, const std::string& key) {
+template <class Space>
+RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Space>& scene, const std::string& key) {
   constexpr std::string_view kStart = "start.";
   if (key.starts_with(kStart)) {
-    const Index place = place_of(scene, key.substr(kStart.size()));
-    if (place < 0) refuse_parameter(key, "must be start.BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega");
+    const Index place = place_of_start<Space>(scene, key.substr(kStart.size()));
+    if (place < 0)
+      refuse_parameter(key, kPlanar<Space> ? "must be start.BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega"
+                                           : "must be start.BODY.COLUMN, COLUMN of x, y, z, rx, ry, rz, vx, vy, vz, "
+                                             "wx, wy, wz");
     return {key, 0, {}, place};
   }
   const auto [name, place] = split_place(key);
   std::string text = text_of_value(source, name);
-  if (text.empty()) text = text_of_default(source, scene, name, place >= 0);
+  if (text.empty()) text = text_of_default<Space>(source, scene, name, place >= 0);
   if (text.empty())
     refuse_parameter(key, "the scene gives it no value: must be a key with a number, or given by KEY=VALUE");
   std::vector<double> numbers = numbers_in(text);
@@ -162,58 +186,110 @@ RunParameter parameter_of(const SceneSource& source, const Scene& scene, const s
     for (std::size_t i = 0; i < numbers.size(); ++i)
       value += (i > 0 ? ", " : "") + exactly(i == entry ? x : numbers[i]);
     sets.push_back(name + "=" + value + (is_array ? "]" : ""));
-    return source.make_with(sets);
+    return make_in<Space>(source, sets);
   };
   return {key, numbers[entry], scene_at, -1};
 }
 
-RunColumn column_of(const Scene& scene, const std::string& column) {
-  if (const Index place = place_of(scene, column); place >= 0) return {RunColumn::Kind::state, place};
+template <class Space> RunColumn column_in(const SceneIn<Space>& scene, const std::string& column) {
+  using Kind = RunColumn::Kind;
+  if (const Index place = place_of_column<Space>(scene, column); place >= 0) return {Kind::state, place};
   const auto dot = column.rfind('.');
   const std::string part = dot == std::string::npos ? "" : column.substr(dot + 1);
-  const auto kind = part == "gap"         ? std::optional(RunColumn::Kind::gap)
-                    : part == "impulse_n" ? std::optional(RunColumn::Kind::normal)
-                    : part == "impulse_t" ? std::optional(RunColumn::Kind::tangent)
-                                          : std::nullopt;
+  const auto kind = part == "gap"                                           ? std::optional(Kind::gap)
+                    : part == "impulse_n"                                   ? std::optional(Kind::normal)
+                    : part == (kPlanar<Space> ? "impulse_t" : "impulse_t1") ? std::optional(Kind::tangent)
+                    : !kPlanar<Space> && part == "impulse_t2"               ? std::optional(Kind::across)
+                                                                            : std::nullopt;
   for (std::size_t i = 0; kind && i < scene.contacts.size(); ++i)
     if (std::visit([](const auto& c) { return c.name; }, scene.contacts[i]) == column.substr(0, dot))
       return {*kind, static_cast<Index>(i)};
-  throw std::invalid_argument("column '" + in_one_line(column) +
-                              "': must be BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega, or CONTACT.gap, "
-                              "CONTACT.impulse_n, CONTACT.impulse_t");
+  throw std::invalid_argument(
+      "column '" + in_one_line(column) +
+      (kPlanar<Space> ? "': must be BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega, or CONTACT.gap, "
+                        "CONTACT.impulse_n, CONTACT.impulse_t"
+                      : "': must be BODY.COLUMN, COLUMN of x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz, or "
+                        "CONTACT.gap, CONTACT.impulse_n, CONTACT.impulse_t1, CONTACT.impulse_t2"));
 }
+
+}  // namespace
+
+AnyScene SceneSource::make_with(const std::vector<std::string>& other_sets) const {
+  return text ? parse_any_scene(*text, other_sets, name) : make_any_scene(name, other_sets);
+}
+
+double step_of(const AnyScene& scene) {
+  return std::visit([](const auto& s) { return s.step; }, scene);
+}
+double duration_of(const AnyScene& scene) {
+  return std::visit([](const auto& s) { return s.duration; }, scene);
+}
+std::string name_of_contact(const AnyScene& scene, int contact) {
+  return std::visit(
+      [&](const auto& s) {
+        return std::visit([](const auto& c) { return c.name; }, s.contacts[static_cast<std::size_t>(contact)]);
+      },
+      scene);
+}
+
+RunParameter parameter_of(const SceneSource& source, const Scene& scene, const std::string& key) {
+  return parameter_in<Planar>(source, scene, key);
+}
+RunParameterOf<Spatial> parameter_of(const SceneSource& source, const spatial::Scene& scene, const std::string& key) {
+  return parameter_in<Spatial>(source, scene, key);
+}
+RunColumn column_of(const Scene& scene, const std::string& name) { return column_in<Planar>(scene, name); }
+RunColumn column_of(const spatial::Scene& scene, const std::string& name) { return column_in<Spatial>(scene, name); }
 
 namespace {
 
 /// What a call by names stands for.
-struct Named {
-  Named(const SceneSource& source, const std::vector<std::string>& of, const std::vector<std::string>& wrt,
-        std::string_view integrator)
-      : method(integrator.substr(0, integrator.find(':'))), scene(source.make()), system(scene) {
+template <class Space> struct NamedIn {
+  NamedIn(const SceneSource& source, SceneIn<Space> made, const std::vector<std::string>& of,
+          const std::vector<std::string>& wrt, std::string_view integrator)
+      : method(integrator.substr(0, integrator.find(':'))), scene(std::move(made)), system(scene) {
     if (method.size() < integrator.size()) given = integrator.substr(method.size() + 1);
     for (const std::string& column : of) columns.push_back(column_of(scene, column));
     for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
   }
-  StepScheme scheme(const char* others) const {
-    StepScheme scheme;
-    if (method == Rattle::kName)
-      scheme = RattleOptions{};
-    else if (method != MoreauJean::kName)
-      throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) +
-                                  "': must be moreau-jean or rattle" + others);
+  auto scheme(const char* others) const {
+    std::conditional_t<kPlanar<Space>, StepScheme, std::variant<MoreauJeanOptions>> scheme;
+    const auto refuse = [&](const std::string& rule) {
+      throw std::invalid_argument("gradients: the integrator is '" + in_one_line(method) + "': must be moreau-jean" +
+                                  rule);
+    };
+    if constexpr (kPlanar<Space>) {
+      if (method == Rattle::kName)
+        scheme = RattleOptions{};
+      else if (method != MoreauJean::kName)
+        refuse(std::string(" or rattle") + others);
+    } else if (method != MoreauJean::kName) {
+      refuse(", for scenes in space");
+    }
     std::visit(
         [&](auto& options) {
           if (!given.empty()) set_options(options, given);
         },
         scheme);
-    return scheme;
+    if constexpr (kPlanar<Space>)
+      return scheme;
+    else
+      return std::get<MoreauJeanOptions>(scheme);
   }
   std::string method, given;
-  Scene scene;
-  System system;
+  SceneIn<Space> scene;
+  SystemOf<Space> system;
   std::vector<RunColumn> columns;
-  std::vector<RunParameter> parameters;
+  std::vector<RunParameterOf<Space>> parameters;
 };
+using Named = NamedIn<Planar>;
+
+/// what(scene, its space) of a planar scene or one in space.
+template <class What> auto in_its_space(const SceneSource& source, What&& what) {
+  AnyScene made = source.make();
+  if (auto* planar = std::get_if<Scene>(&made)) return what(std::move(*planar), Planar{});
+  return what(std::get<spatial::Scene>(std::move(made)), Spatial{});
+}
 
 /// Of the motion itself.
 GradientOfRun gradient_of_motion(const Named& named, Solver& solver, const Clock& clock) {
@@ -263,32 +339,39 @@ GradientOfRun gradient_of_run(const SceneSource& source, const std::vector<std::
                               const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                               const Clock& clock) {
   check(clock);
-  const Named named(source, of, wrt, integrator);
-  if (named.method == EventDriven::kName) return gradient_of_motion(named, solver, clock);
-  GradientOfRun gradient;
-  gradient.tangent =
-      differentiate_run(named.system, named.parameters, named.scheme(", or event-driven"), solver, clock, named.columns,
-                        [&](double t, const Eigen::VectorXd& value, const Eigen::MatrixXd& by) {
-                          gradient.t.push_back(t);
-                          for (Index i = 0; i < value.size(); ++i) {
-                            gradient.value.push_back(value[i]);
-                            for (Index j = 0; j < by.cols(); ++j) gradient.by.push_back(by(i, j));
-                          }
-                        });
-  return gradient;
+  return in_its_space(source, [&]<class Space>(SceneIn<Space> scene, Space /*of it*/) {
+    const NamedIn<Space> named(source, std::move(scene), of, wrt, integrator);
+    if constexpr (kPlanar<Space>)
+      if (named.method == EventDriven::kName) return gradient_of_motion(named, solver, clock);
+    GradientOfRun gradient;
+    gradient.tangent =
+        differentiate_run(named.system, named.parameters, named.scheme(", or event-driven"), solver, clock,
+                          named.columns, [&](double t, const Eigen::VectorXd& value, const Eigen::MatrixXd& by) {
+                            gradient.t.push_back(t);
+                            for (Index i = 0; i < value.size(); ++i) {
+                              gradient.value.push_back(value[i]);
+                              for (Index j = 0; j < by.cols(); ++j) gradient.by.push_back(by(i, j));
+                            }
+                          });
+    return gradient;
+  });
 }
 
 RunAdjoint adjoint_of_run(const SceneSource& source, const std::vector<std::string>& of,
                           const std::vector<std::string>& wrt, std::string_view integrator, Solver& solver,
                           const Clock& clock, Index scalars, const RecordWeights& weights) {
-  const Named named(source, of, wrt, integrator);
-  return differentiate_run_reverse(named.system, named.parameters, named.scheme(" in reverse mode"), solver, clock,
-                                   named.columns, scalars, weights);
+  return in_its_space(source, [&]<class Space>(SceneIn<Space> scene, Space /*of it*/) {
+    const NamedIn<Space> named(source, std::move(scene), of, wrt, integrator);
+    return differentiate_run_reverse(named.system, named.parameters, named.scheme(" in reverse mode"), solver, clock,
+                                     named.columns, scalars, weights);
+  });
 }
 
 Lyapunov lyapunov_of(const SceneSource& source, std::string_view integrator, Solver& solver, const LyapunovClock& clock,
                      const std::atomic<bool>* cancel) {
-  const Named named(source, {}, {}, integrator);
+  AnyScene made = source.make();
+  if (!std::holds_alternative<Scene>(made)) throw std::invalid_argument("lyapunov: the scene must be planar");
+  const Named named(source, std::get<Scene>(std::move(made)), {}, {}, integrator);
   if (named.method != EventDriven::kName)
     throw std::invalid_argument("lyapunov: the integrator is '" + in_one_line(named.method) +
                                 "': must be event-driven");

@@ -18,27 +18,36 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace orthant {
 
-struct RunParameter {
+template <class Space> struct RunParameterOf {
+  using Scene = typename ElementsOf<Space>::Scene;
   std::string name;
   double value = 0;
   std::function<Scene(double)> scene;  // at another value; empty: none of the scene
-  Eigen::Index start = -1;             // entry of the initial (q, v), 0 … 2 dof − 1, that it is; −1: none
+  /// Entry of the initial (q, v), 0 … 2 dof − 1, that it is; −1: none. In space six of each body: displacement and turn,
+  /// both in the world and about its axes (angular velocity in the world stays), then velocity and angular velocity in
+  /// the world.
+  Eigen::Index start = -1;
 };
+using RunParameter = RunParameterOf<Planar>;
 
-struct ParameterChange {
+template <class Space> struct ParameterChangeOf {
+  using System = SystemOf<Space>;
   struct Law {
     int contact;
     double mu, e, e_t, mu_static, belt;
+    double rolling = 0, spinning = 0;  // in space
   };
-  Eigen::VectorXd mass, weight;                                  // dof; empty: unchanged
+  Eigen::VectorXd mass, weight;                                  // dof; empty: unchanged. In space without inertia
   std::vector<Law> laws;                                         // of the contacts that change theirs
   std::vector<std::pair<int, double>> bounds;                    // of dry frictions
   std::vector<int> joints, contacts, springs, frictions, loads;  // with other geometry, laws in time or forces
+  std::vector<std::pair<int, Eigen::Matrix3d>> inertia;          // in space: bodies, in their axes
   Eigen::VectorXd start_q, start_v;                              // of the scenes' initial states; dof
   std::vector<std::pair<double, double>> knots;                  // breakpoints that move: time, its derivative [s]
   bool moves_drive = false;                                      // the times of a drive's table change
@@ -63,21 +72,26 @@ struct ParameterChange {
     return sum;
   }
 };
+using ParameterChange = ParameterChangeOf<Planar>;
 
 /// duration: of the run [s]. Throws std::invalid_argument where no scene lies on either side of the value, where no
 /// step resolves the change, and for a place of the start that is none.
-ParameterChange changes_of(const RunParameter& parameter, const System& system, double duration,
-                           double relative_step = 1e-3);
+template <class Space> ParameterChangeOf<Space> changes_of(const RunParameterOf<Space>& parameter,
+                                                           const SystemOf<Space>& system, double duration,
+                                                           double relative_step = 1e-3);
 
 /// One flag a contact: it has no friction, and a parameter gives it some (μ = 0, the least it can be). Empty: there is
 /// none.
-std::vector<char> begun_frictions(std::span<const ParameterChange> changes, const System& system);
+template <class Space>
+std::vector<char> begun_frictions(std::type_identity_t<std::span<const ParameterChangeOf<Space>>> changes,
+                                  const SystemOf<Space>& system);
 
 /// In words: parameters whose scenes lie on one side of the value only. Empty: there is none.
-std::vector<std::string> one_sided_in_words(const std::vector<RunParameter>& parameters,
-                                            const std::vector<ParameterChange>& changes);
+template <class Space>
+std::vector<std::string> one_sided_in_words(const std::vector<RunParameterOf<Space>>& parameters,
+                                            const std::vector<ParameterChangeOf<Space>>& changes);
 
 /// Whether all elements are alike, at the start and at three times: of scenes that differ in how they are written.
-bool same_elements(const System& one, const System& other);
+template <class Space> bool same_elements(const SystemOf<Space>& one, const SystemOf<Space>& other);
 
 }  // namespace orthant

@@ -1,4 +1,6 @@
+#include <orthant/core/mechanics/dynamics/each_joint.h>
 #include <orthant/integrators/derivatives/parameter_step.h>
+#include <orthant/integrators/derivatives/spatial_row_slope.h>
 
 #include <algorithm>
 #include <array>
@@ -12,9 +14,9 @@ namespace orthant {
 namespace {
 
 /// What differs in one element, of four scenes.
-class Samples {
+template <class Space> class Samples {
  public:
-  explicit Samples(const ParameterChange& change) : change_(change) {}
+  explicit Samples(const ParameterChangeOf<Space>& change) : change_(change) {}
 
   /// f(system, values) appends to values.
   template <class F> void take(F&& f) {
@@ -47,115 +49,227 @@ class Samples {
   StepError worst() const { return lost_ && !resolved_ ? StepError{worst_.truncation, 1} : worst_; }
 
  private:
-  const ParameterChange& change_;
+  const ParameterChangeOf<Space>& change_;
   StepError worst_;
   bool lost_ = false, resolved_ = false;
   std::array<std::vector<double>, 4> values_;
 };
 
-struct PairSamples {
-  explicit PairSamples(const ParameterChange& of) : change(of) {}
+template <class Space> struct PairSamples {
+  explicit PairSamples(const ParameterChangeOf<Space>& of) : change(of) {}
   template <class F> void take(F&& f) {
     std::vector<double> one, other;
     f(*change.at[0], one), f(*change.at[2], other);
     same = same && one == other;
   }
-  const ParameterChange& change;
+  const ParameterChangeOf<Space>& change;
   bool same = true;
 };
 
-void append(const Row& row, std::vector<double>& to) {
+template <class Space> void append(const RowOf<Space>& row, std::vector<double>& to) {
   for (const double j : row.ja) to.push_back(row.a >= 0 ? j : 0);
   for (const double j : row.jb) to.push_back(row.b >= 0 ? j : 0);
 }
 
 void append(const Eigen::VectorXd& x, std::vector<double>& to) { to.insert(to.end(), x.begin(), x.end()); }
 
-template <class Samples> void take_elements(const ParameterChange& change, const System& system, const Kinematics& at,
-                                            const Eigen::VectorXd& v, Samples& samples) {
-  for (const int joint : change.joints)
-    samples.take([&](const System& s, std::vector<double>& to) {
-      const auto& one = s.scene().joints[static_cast<std::size_t>(joint)];
-      std::vector<Row> rows(static_cast<std::size_t>(row_count(one)));
-      std::vector<double> phi(rows.size()), rate(rows.size());
-      std::visit(
-          [&](const auto& j) {
-            j.rows(at, rows.data()), j.residual(at, phi.data());
-            if constexpr (requires(double* r) { j.rate(at, r); }) j.rate(at, rate.data());
-          },
-          one);
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        append(rows[i], to);
-        to.push_back(phi[i]), to.push_back(rate[i]);
-      }
-    });
-  for (const int spring : change.springs)
-    samples.take([&](const System& s, std::vector<double>& to) {
-      std::visit(
-          [&](const auto& one) {
-            const SpringState there = one.evaluate(at, v.data());
-            append(there.row, to);
-            to.push_back(there.tension), to.push_back(one.stiffness), to.push_back(one.damping);
-          },
-          s.scene().springs[static_cast<std::size_t>(spring)]);
-    });
-  for (const int friction : change.frictions)
-    samples.take([&](const System& s, std::vector<double>& to) {
-      append(s.scene().frictions[static_cast<std::size_t>(friction)].of.row(at), to);
-    });
-  for (const int load : change.loads)
-    samples.take([&](const System& s, std::vector<double>& to) {
-      Eigen::VectorXd f = Eigen::VectorXd::Zero(system.dof());
-      s.scene().loads[static_cast<std::size_t>(load)].add(at, at.t, f.data());
-      append(f, to);
-    });
+// Each appends all that counts of one element.
+template <class Space>
+void append_joint(const SystemOf<Space>& s, int joint, const KinematicsOf<Space>& at, std::vector<double>& to) {
+  std::visit(
+      [&](const auto& j) {
+        std::vector<RowOf<Space>> rows(static_cast<std::size_t>(rows_of_joint(j)));
+        std::vector<double> phi(rows.size()), rate(rows.size());
+        j.rows(at, rows.data()), j.residual(at, phi.data());
+        if constexpr (requires(double* r) { j.rate(at, r); }) j.rate(at, rate.data());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+          append(rows[i], to);
+          to.push_back(phi[i]), to.push_back(rate[i]);
+        }
+      },
+      s.scene().joints[static_cast<std::size_t>(joint)]);
+}
+template <class Space> void append_spring(const SystemOf<Space>& s, int spring, const KinematicsOf<Space>& at,
+                                          const Eigen::VectorXd& v, std::vector<double>& to) {
+  std::visit(
+      [&](const auto& one) {
+        const auto there = one.evaluate(at, v.data());
+        append(there.row, to);
+        to.push_back(there.tension), to.push_back(one.stiffness), to.push_back(one.damping);
+      },
+      s.scene().springs[static_cast<std::size_t>(spring)]);
+}
+template <class Space>
+void append_load(const SystemOf<Space>& s, int load, const KinematicsOf<Space>& at, std::vector<double>& to) {
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(s.dof());
+  s.scene().loads[static_cast<std::size_t>(load)].add(at, at.t, f.data());
+  append(f, to);
+}
+template <class Space>
+void append_friction(const SystemOf<Space>& s, int friction, const KinematicsOf<Space>& at, std::vector<double>& to) {
+  append(s.scene().frictions[static_cast<std::size_t>(friction)].of.row(at), to);
+}
+void append_contact(const System& s, int contact, const Kinematics& at, std::vector<double>& to) {
+  const ContactRows rows =
+      std::visit([&](const auto& one) { return one.rows(at); }, s.scene().contacts[static_cast<std::size_t>(contact)]);
+  append(rows.normal, to), append(rows.tangent, to);
+  to.push_back(gap_of(s, {}, contact, at));
+}
+void append_contact(const SystemOf<Spatial>& s, int contact, const KinematicsOf<Spatial>& at, std::vector<double>& to) {
+  const SurfaceRows rows = surface_rows(s, contact, at);
+  for (const auto& row : rows.rows) append(row, to);
+  to.insert(to.end(), rows.belt.begin(), rows.belt.end());
+  to.push_back(gap_of(s, {}, contact, at));
 }
 
+template <class Space, class Samples> void take_elements(const ParameterChangeOf<Space>& change,
+                                                         const KinematicsOf<Space>& at, const Eigen::VectorXd& v,
+                                                         Samples& samples) {
+  using Of = SystemOf<Space>;
+  for (const int i : change.joints)
+    samples.take([&](const Of& s, std::vector<double>& to) { append_joint(s, i, at, to); });
+  for (const int i : change.springs)
+    samples.take([&](const Of& s, std::vector<double>& to) { append_spring(s, i, at, v, to); });
+  for (const int i : change.frictions)
+    samples.take([&](const Of& s, std::vector<double>& to) { append_friction(s, i, at, to); });
+  for (const int i : change.loads)
+    samples.take([&](const Of& s, std::vector<double>& to) { append_load(s, i, at, to); });
+}
+
+/// Whether its rows and gap are those of one formula at values nearby, not those of another corner.
+bool of_one_formula(const Contact& contact) {
+  return std::visit(
+      [](const auto& one) {
+        using Kind = std::remove_cvref_t<decltype(one)>;
+        return std::is_same_v<Kind, CornerWall> || std::is_same_v<Kind, DiscWall> || std::is_same_v<Kind, DiscDisc> ||
+               std::is_same_v<Kind, Journal> || std::is_same_v<Kind, Limit>;
+      },
+      contact);
+}
+bool of_one_formula(const spatial::Contact& /*contact*/) { return true; }
+
+constexpr double kSampleTimes[] = {0, 0.381966, 1};  // of the duration
+
 /// all: also contacts that may be those of another corner at values nearby.
-template <class Samples>
-void take_all(const ParameterChange& change, const System& system, double duration, bool all, Samples& samples) {
-  constexpr double kTimes[] = {0, 0.381966, 1};  // of the duration
+template <class Space, class Samples> void take_all(const ParameterChangeOf<Space>& change,
+                                                    const SystemOf<Space>& system, double duration, bool all,
+                                                    Samples& samples) {
+  using Of = SystemOf<Space>;
   const State start = system.initial_state();
-  Kinematics at = Terms(system).at;
-  for (const double part : kTimes) {
+  KinematicsOf<Space> at = TermsOf<Space>(system).at;
+  for (const double part : kSampleTimes) {
     set_poses(system, start.t + part * duration, start.q, at);
-    take_elements(change, system, at, start.v, samples);
+    take_elements(change, at, start.v, samples);
   }
   set_poses(system, start.t, start.q, at);
-  for (const int contact : change.contacts) {
-    const auto c = static_cast<std::size_t>(contact);
-    const bool smooth = std::visit(
-        [](const auto& one) {
-          using Kind = std::remove_cvref_t<decltype(one)>;
-          return std::is_same_v<Kind, CornerWall> || std::is_same_v<Kind, DiscWall> || std::is_same_v<Kind, DiscDisc> ||
-                 std::is_same_v<Kind, Journal> || std::is_same_v<Kind, Limit>;
-        },
-        system.scene().contacts[c]);
-    if (!smooth && !all) continue;
-    samples.take([&](const System& s, std::vector<double>& to) {
-      const ContactRows rows = std::visit([&](const auto& one) { return one.rows(at); }, s.scene().contacts[c]);
-      append(rows.normal, to), append(rows.tangent, to);
-      to.push_back(gap_of(s, {}, contact, at));
-    });
+  for (const int i : change.contacts)
+    if (all || of_one_formula(system.scene().contacts[static_cast<std::size_t>(i)]))
+      samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
+  samples.take([](const Of& s, std::vector<double>& to) { append(s.weight(), to); });
+  if constexpr (kPlanar<Space>) {
+    samples.take([](const Of& s, std::vector<double>& to) { append(s.mass(), to); });
+    samples.take([](const Of& s, std::vector<double>& to) { append(s.initial_state().q, to); });
+    samples.take([](const Of& s, std::vector<double>& to) { append(s.initial_state().v, to); });
+  } else {
+    for (int i = 0; i < system.bodies(); ++i) {
+      const auto body = static_cast<std::size_t>(i);
+      samples.take([&](const Of& s, std::vector<double>& to) { to.push_back(s.scene().bodies[body].mass); });
+      samples.take([&](const Of& s, std::vector<double>& to) {
+        const Eigen::Matrix3d tensor = tensor_in_axes(system, s, i);
+        to.insert(to.end(), tensor.data(), tensor.data() + 9);
+      });
+    }
+    samples.take([&](const Of& s, std::vector<double>& to) { append(start_in_axes(system, s).q, to); });
+    samples.take([&](const Of& s, std::vector<double>& to) { append(start_in_axes(system, s).v, to); });
   }
-  samples.take([](const System& s, std::vector<double>& to) { append(s.mass(), to); });
-  samples.take([](const System& s, std::vector<double>& to) { append(s.weight(), to); });
-  samples.take([](const System& s, std::vector<double>& to) { append(s.initial_state().q, to); });
-  samples.take([](const System& s, std::vector<double>& to) { append(s.initial_state().v, to); });
 }
 
 }  // namespace
 
-StepError error_of_step(const ParameterChange& change, const System& system, double duration) {
-  Samples samples(change);
+template <class Space>
+StepError error_of_step(const ParameterChangeOf<Space>& change, const SystemOf<Space>& system, double duration) {
+  Samples<Space> samples(change);
   take_all(change, system, duration, false, samples);
   return samples.worst();
 }
 
-bool same_samples(const ParameterChange& change, const System& system) {
-  PairSamples samples(change);
+template <class Space> bool same_samples(const ParameterChangeOf<Space>& change, const SystemOf<Space>& system) {
+  PairSamples<Space> samples(change);
   take_all(change, system, 1, true, samples);
   return samples.same;
 }
+
+void list_elements(const SystemOf<Spatial>& system, const SystemOf<Spatial>& other, double duration,
+                   ParameterChangeOf<Spatial>& change) {
+  const State start = system.initial_state();
+  const Eigen::VectorXd* const at_start = &start.q;
+  Eigen::VectorXd away(system.dof()), v(system.dof()), moved;
+  for (Eigen::Index i = 0; i < away.size(); ++i) {  // any that have no symmetry
+    const auto k = static_cast<double>(i);
+    away[i] = 0.1 * std::sin(1 + 2.3 * k), v[i] = std::cos(2 + 1.7 * k);
+  }
+  move<Spatial>(start.q, away, moved);
+  KinematicsOf<Spatial> at = TermsOf<Spatial>(system).at;
+  std::vector<double> one, two;
+  const auto list = [&](std::size_t count, std::vector<int>& changed, auto&& append_to, auto&& always) {
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      bool differs = always(static_cast<std::size_t>(i));
+      for (const Eigen::VectorXd* q : {at_start, static_cast<const Eigen::VectorXd*>(&moved)})
+        for (const double part : kSampleTimes) {
+          if (differs) break;
+          set_poses(system, start.t + part * duration, *q, at);
+          one.clear(), two.clear();
+          append_to(system, i, one), append_to(other, i, two);
+          differs = one != two;
+        }
+      if (differs) changed.push_back(i);
+    }
+  };
+  const auto never = [](std::size_t /*i*/) { return false; };
+  const auto &base = system.scene(), &next = other.scene();
+  list(
+      base.joints.size(), change.joints, [&](const auto& s, int i, auto& to) { append_joint(s, i, at, to); },
+      [&](std::size_t i) {
+        const auto *x = std::get_if<spatial::Drive>(&base.joints[i]), *y = std::get_if<spatial::Drive>(&next.joints[i]);
+        return x != nullptr && y != nullptr && !(x->law.table.times().empty() && y->law.table.times().empty());
+      });
+  list(
+      base.contacts.size(), change.contacts, [&](const auto& s, int i, auto& to) { append_contact(s, i, at, to); },
+      never);
+  list(
+      base.springs.size(), change.springs, [&](const auto& s, int i, auto& to) { append_spring(s, i, at, v, to); },
+      never);
+  list(
+      base.frictions.size(), change.frictions, [&](const auto& s, int i, auto& to) { append_friction(s, i, at, to); },
+      never);
+  list(
+      base.loads.size(), change.loads, [&](const auto& s, int i, auto& to) { append_load(s, i, at, to); },
+      [&](std::size_t i) { return base.loads[i].factor || next.loads[i].factor; });
+}
+
+Eigen::Matrix3d tensor_in_axes(const SystemOf<Spatial>& system, const SystemOf<Spatial>& other, int body) {
+  const auto i = static_cast<std::size_t>(body);
+  const Eigen::Matrix3d axes = quaternions::matrix_of(system.scene().bodies[i].axes);
+  return axes.transpose() * other.scene().bodies[i].inertia * axes;
+}
+
+State start_in_axes(const SystemOf<Spatial>& system, const SystemOf<Spatial>& other) {
+  State x = other.initial_state();
+  for (int i = 0; i < system.bodies(); ++i) {
+    const auto body = static_cast<std::size_t>(i);
+    const Eigen::Vector4d here = system.scene().bodies[body].axes, there = other.scene().bodies[body].axes;
+    const Eigen::Vector4d between_axes = quaternions::product(quaternions::inverse(there), here);
+    quaternion(x.q, i) = quaternions::product(Eigen::Vector4d(quaternion(x.q, i)), between_axes);
+    rotation<Spatial>(x.v, i) = quaternions::matrix_of(between_axes).transpose() * Vector3d(rotation<Spatial>(x.v, i));
+  }
+  return x;
+}
+
+#define ORTHANT_PARAMETER_STEPS(Space)                                                               \
+  template StepError error_of_step(const ParameterChangeOf<Space>&, const SystemOf<Space>&, double); \
+  template bool same_samples(const ParameterChangeOf<Space>&, const SystemOf<Space>&);
+ORTHANT_PARAMETER_STEPS(Planar)
+ORTHANT_PARAMETER_STEPS(Spatial)
+#undef ORTHANT_PARAMETER_STEPS
 
 }  // namespace orthant

@@ -15,9 +15,20 @@ struct StepError {
   double sum() const { return truncation + rounding; }
 };
 
-StepError error_of_step(const ParameterChange& change, const System& system, double duration);
+template <class Space>
+StepError error_of_step(const ParameterChangeOf<Space>& change, const SystemOf<Space>& system, double duration);
 
 /// Whether at[0] and at[2] have the same values in all of that.
-bool same_samples(const ParameterChange& change, const System& system);
+template <class Space> bool same_samples(const ParameterChangeOf<Space>& change, const SystemOf<Space>& system);
+
+/// In space: the elements of `other` that differ from those of `system`, each in the order of ParameterChange's lists.
+/// They are compared at the start and at another pose, at three times of the run.
+void list_elements(const SystemOf<Spatial>& system, const SystemOf<Spatial>& other, double duration,
+                   ParameterChangeOf<Spatial>& change);
+
+/// The tensor of a body of another scene, in the axes that it has in `system`.
+Eigen::Matrix3d tensor_in_axes(const SystemOf<Spatial>& system, const SystemOf<Spatial>& other, int body);
+/// The initial state of another scene, its turns and angular velocities in the axes of `system`.
+State start_in_axes(const SystemOf<Spatial>& system, const SystemOf<Spatial>& other);
 
 }  // namespace orthant

@@ -11,12 +11,14 @@
 #include <orthant/integrators/derivatives/slope_blocks.h>
 
 #include <Eigen/Core>
+
+#include <algorithm>
 #include <array>
 
 namespace orthant {
 
-struct RowSlope {
-  std::array<Slope, 36> entries;
+template <class Space> struct RowSlopeOf {
+  std::array<Slope, 4 * Space::kVelocities * Space::kVelocities> entries;
   std::size_t count = 0;
   const Slope* begin() const { return entries.data(); }
   const Slope* end() const { return entries.data() + count; }
@@ -24,6 +26,7 @@ struct RowSlope {
     if (value != 0) entries[count++] = {of, by, value};
   }
 };
+using RowSlope = RowSlopeOf<Planar>;
 
 /// Of all rows of a joint; of normal and tangent of a contact; of one row. `at` is moved and put back.
 void slopes_of(const Joint& joint, Kinematics& at, RowSlope* slopes);
@@ -39,10 +42,12 @@ inline void apply(const std::vector<Slope>& slopes, const double* x, double* y, 
   count == 1 ? apply(slopes, x, y) : apply_to_block(slopes, x, y, count);
 }
 /// to += by · J x and f += Jᵀ (by · λ) of one row, of such blocks.
-inline void add_rate(const Row& row, double by, const double* x, Eigen::Index count, double* to) {
+template <class Space>
+inline void add_rate(const RowOf<Space>& row, double by, const double* x, Eigen::Index count, double* to) {
   each_entry(row, [&](Eigen::Index place, double j) { add_scaled(count, by * j, x + place * count, to); });
 }
-inline void add_impulse(const Row& row, double by, const double* lambda, Eigen::Index count, double* f) {
+template <class Space>
+inline void add_impulse(const RowOf<Space>& row, double by, const double* lambda, Eigen::Index count, double* f) {
   each_entry(row, [&](Eigen::Index place, double j) { add_scaled(count, by * j, lambda, f + place * count); });
 }
 inline void apply_transposed(const std::vector<Slope>& slopes, const double* y, double* x) {
@@ -50,8 +55,17 @@ inline void apply_transposed(const std::vector<Slope>& slopes, const double* y, 
 }
 
 /// (ja, jb).
-inline std::array<double, 6> entries_of(const Row& row) {
-  return {row.ja[0], row.ja[1], row.ja[2], row.jb[0], row.jb[1], row.jb[2]};
+template <class Space> inline std::array<double, 2 * Space::kVelocities> entries_of(const RowOf<Space>& row) {
+  std::array<double, 2 * Space::kVelocities> both;
+  std::copy(row.ja.begin(), row.ja.end(), both.begin());
+  std::copy(row.jb.begin(), row.jb.end(), both.begin() + Space::kVelocities);
+  return both;
+}
+/// Where entry k of them stands in stacked vectors; −1: it is the ground's.
+template <class Space> inline Eigen::Index place_of_entry(const RowOf<Space>& row, std::size_t k) {
+  constexpr std::size_t n = Space::kVelocities;
+  const BodyId body = k < n ? row.a : row.b;
+  return body < 0 ? -1 : static_cast<Eigen::Index>(n) * body + static_cast<Eigen::Index>(k % n);
 }
 
 }  // namespace orthant

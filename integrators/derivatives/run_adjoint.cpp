@@ -21,14 +21,15 @@ template <class Integrator> std::string memory_of(Integrator& integrator) {
   return memory.bytes();
 }
 
-template <class Options> class Adjoint {
-  using Integrator = typename StepSchemeOf<Options>::Integrator;
-  using Linearization = typename StepSchemeOf<Options>::Linearization;
+template <class Space, class Options> class Adjoint {
+  using System = SystemOf<Space>;
+  using Integrator = typename StepSchemeOf<Options, Space>::Integrator;
+  using Linearization = typename StepSchemeOf<Options, Space>::Linearization;
   using Trace = typename Linearization::Trace;
 
  public:
-  Adjoint(const System& system, const std::vector<RunParameter>& parameters, const Options& options, const Clock& clock,
-          const std::vector<RunColumn>& columns, Index scalars, const RecordWeights& weights)
+  Adjoint(const System& system, const std::vector<RunParameterOf<Space>>& parameters, const Options& options,
+          const Clock& clock, const std::vector<RunColumn>& columns, Index scalars, const RecordWeights& weights)
       : system_(system),
         options_(options),
         clock_(clock),
@@ -38,7 +39,7 @@ template <class Options> class Adjoint {
         linear_(system, options),
         start_(system),
         W_(static_cast<Index>(columns.size()), scalars) {
-    for (const RunParameter& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
+    for (const auto& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
     result_.warnings = one_sided_in_words(parameters, changes_);
     linear_.begin_friction(begun_frictions(changes_, system));
     parts_.resize(changes_.size());
@@ -60,7 +61,7 @@ template <class Options> class Adjoint {
     each.every = 1;
     long step = -1;
     const auto& columns = slopes_.columns();
-    result_.run = simulate(integrator, solver, each, [&](const RunSample& moment) {
+    result_.run = simulate(integrator, solver, each, [&](const RunSampleOf<Space>& moment) {
       if (step >= 0 && (!has_answer(moment.report.status) || step == steps_.total)) return;
       ++step;
       if (step % segment_ == 0 && step < steps_.total) anchors_.push_back({moment.state, memory_of(integrator)});
@@ -70,8 +71,7 @@ template <class Options> class Adjoint {
       if (recorded) slopes_.set_up(moment.state);
       for (std::size_t i = 0; i < columns.size(); ++i) {
         double value = recorded ? slopes_.value(i, moment.state) : 0;
-        if (columns[i].kind == RunColumn::Kind::normal) value = moment.impulses[at(columns[i].place)].normal;
-        if (columns[i].kind == RunColumn::Kind::tangent) value = moment.impulses[at(columns[i].place)].tangent;
+        if (columns[i].impulse()) value = impulse_of(columns[i], system_, moment.impulses);
         result_.value += value * W_.row(static_cast<Index>(i)).transpose();
       }
     });
@@ -137,12 +137,11 @@ template <class Options> class Adjoint {
     for (std::size_t j = 0; j < changes_.size(); ++j) linear_.part_of(changes_[j], parts_[j]);
     for (Index scalar = 0; scalar < W_.cols(); ++scalar) {
       if (slopes_.any_impulse()) {
-        impulses_.normal.setZero(system_.contacts()), impulses_.tangent.setZero(system_.contacts());
+        for (auto* part : {&impulses_.normal, &impulses_.tangent, &impulses_.across}) part->setZero(system_.contacts());
         for (std::size_t i = 0; i < slopes_.columns().size(); ++i) {
           const RunColumn& column = slopes_.columns()[i];
           const double weight = W_(static_cast<Index>(i), scalar);
-          if (column.kind == RunColumn::Kind::normal) impulses_.normal[column.place] += weight;
-          if (column.kind == RunColumn::Kind::tangent) impulses_.tangent[column.place] += weight;
+          if (column.impulse()) impulse_of(column, impulses_) += weight;
         }
       }
       pull(scalar, slopes_.any_impulse() ? &impulses_ : nullptr);
@@ -167,11 +166,11 @@ template <class Options> class Adjoint {
   Options options_;
   Clock clock_;
   RunSteps steps_;
-  ColumnSlopes slopes_;
+  ColumnSlopesOf<Space> slopes_;
   const RecordWeights& weights_;
   Linearization linear_;
-  StartLinearization start_;
-  std::vector<ParameterChange> changes_;
+  StartLinearizationOf<Space> start_;
+  std::vector<ParameterChangeOf<Space>> changes_;
   std::vector<StepPart> parts_;
   Eigen::MatrixXd W_;
   long weighed_ = -1, segment_ = 1;  // the record that W_ is of; steps between two checkpoints
@@ -201,9 +200,19 @@ RunAdjoint differentiate_run_reverse(const System& system, const std::vector<Run
   check(clock);
   return std::visit(
       [&](const auto& options) {
-        return Adjoint(system, parameters, options, clock, columns, scalars, weights).of(solver);
+        using Options = std::remove_cvref_t<decltype(options)>;
+        return Adjoint<Planar, Options>(system, parameters, options, clock, columns, scalars, weights).of(solver);
       },
       scheme);
+}
+
+RunAdjoint differentiate_run_reverse(const SystemOf<Spatial>& system,
+                                     const std::vector<RunParameterOf<Spatial>>& parameters,
+                                     const MoreauJeanOptions& scheme, Solver& solver, const Clock& clock,
+                                     const std::vector<RunColumn>& columns, Index scalars,
+                                     const RecordWeights& weights) {
+  check(clock);
+  return Adjoint<Spatial, MoreauJeanOptions>(system, parameters, scheme, clock, columns, scalars, weights).of(solver);
 }
 
 }  // namespace orthant

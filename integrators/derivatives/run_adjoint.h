@@ -1,4 +1,5 @@
-// integrators/derivatives/run_adjoint.h — reverse mode: gradients of scalars of a planar run of moreau-jean or rattle.
+// integrators/derivatives/run_adjoint.h — reverse mode: gradients of scalars of a run of moreau-jean, or in the plane of
+// rattle.
 //
 //   y_k = Σ_r Σ_c W_rck value_c(record r),  x̄ from the last step to the first by the adjoint of each step
 //   (run_tangent.h);  ∂y/∂p = Σ_steps ρ̄ · ∂ρ/∂p + x̄_0 · ∂x_0/∂p
@@ -34,6 +35,12 @@ RecordWeights weigh_all();
 /// gradient: run.status says why.
 RunAdjoint differentiate_run_reverse(const System& system, const std::vector<RunParameter>& parameters,
                                      const StepScheme& scheme, Solver& solver, const Clock& clock,
+                                     const std::vector<RunColumn>& columns, Index scalars,
+                                     const RecordWeights& weights);
+
+RunAdjoint differentiate_run_reverse(const SystemOf<Spatial>& system,
+                                     const std::vector<RunParameterOf<Spatial>>& parameters,
+                                     const MoreauJeanOptions& scheme, Solver& solver, const Clock& clock,
                                      const std::vector<RunColumn>& columns, Index scalars,
                                      const RecordWeights& weights);
 

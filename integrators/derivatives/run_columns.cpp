@@ -12,54 +12,140 @@ RunSteps::RunSteps(const Clock& clock) : step(clock.step), duration(clock.durati
   total = whole + (whole == 0 || rest > 1e-9 * step ? 1 : 0);
 }
 
-ColumnSlopes::ColumnSlopes(const System& system, std::vector<RunColumn> columns)
-    : system_(system), columns_(std::move(columns)), at_(Terms(system).at) {
-  for (const RunColumn& column : columns_) {
-    const bool state = column.kind == RunColumn::Kind::state;
-    if (column.place < 0 || column.place >= (state ? 2 * system.dof() : system.listed()))
-      throw std::invalid_argument("column of a run: place must be 0 to " +
-                                  std::to_string((state ? 2 * system.dof() : system.listed()) - 1));
-    any_gap_ = any_gap_ || column.kind == RunColumn::Kind::gap;
-    any_impulse_ = any_impulse_ || column.kind == RunColumn::Kind::normal || column.kind == RunColumn::Kind::tangent;
+double& impulse_of(RunColumn column, ImpulseChange& change) {
+  using Kind = RunColumn::Kind;
+  return (column.kind == Kind::normal    ? change.normal
+          : column.kind == Kind::tangent ? change.tangent
+                                         : change.across)[column.place];
+}
+
+namespace {
+
+constexpr Index kSpatialColumns = 13;  // of a body
+
+/// The change of column `part` of a body as a function of (δφ, δv or δω): 6 numbers, of the place's block of q or v.
+struct SpatialColumn {
+  Index body, part;
+  explicit SpatialColumn(Index place) : body(place / kSpatialColumns), part(place % kSpatialColumns) {}
+  bool position() const { return part < 3; }
+  bool orientation() const { return part >= 3 && part < 7; }
+  bool velocity() const { return part >= 7 && part < 10; }
+};
+
+Eigen::Vector4d orientation_of(const SystemOf<Spatial>& system, const State& x, Index body) {
+  return quaternions::product(quaternion(x.q, body), quaternions::inverse(system.scene().bodies[at(body)].axes));
+}
+
+double value_at(const System& system, const State& x, Index place) {
+  return place < system.dof() ? x.q[place] : x.v[place - system.dof()];
+}
+double value_at(const SystemOf<Spatial>& system, const State& x, Index place) {
+  const SpatialColumn c(place);
+  if (c.position()) return place_of<Spatial>(x.q, c.body)[c.part];
+  if (c.orientation()) return orientation_of(system, x, c.body)[c.part - 3];
+  if (c.velocity()) return translation<Spatial>(x.v, c.body)[c.part - 7];
+  return (quaternions::matrix_of(quaternion(x.q, c.body)) * rotation<Spatial>(x.v, c.body))[c.part - 10];
+}
+
+/// Calls f(entry of q, value, entry of v, value) for what a column of the state changes by; −1: none.
+template <class F> void each_slope(const SystemOf<Spatial>& system, const State& x, Index place, F&& f) {
+  const SpatialColumn c(place);
+  const Index first = Spatial::kVelocities * c.body;
+  if (c.position()) return f(first + c.part, 1.0, Index{-1}, 0.0);
+  if (c.velocity()) return f(Index{-1}, 0.0, first + c.part - 7, 1.0);
+  const Eigen::Vector4d q = quaternion(x.q, c.body);
+  const Eigen::Matrix3d R = quaternions::matrix_of(q);
+  const Vector3d omega = rotation<Spatial>(x.v, c.body);
+  for (Index i = 0; i < 3; ++i) {
+    if (c.orientation()) {  // q (0, δφ)/2 axes⁻¹
+      Eigen::Vector4d turn = Eigen::Vector4d::Zero();
+      turn[i + 1] = 0.5;
+      const Eigen::Vector4d back = quaternions::inverse(system.scene().bodies[at(c.body)].axes);
+      f(first + 3 + i, quaternions::product(quaternions::product(q, turn), back)[c.part - 3], Index{-1}, 0.0);
+    } else {  // R (δφ × ω + δω)
+      const Vector3d by_turn = R * Vector3d::Unit(i).cross(omega);
+      f(first + 3 + i, by_turn[c.part - 10], first + 3 + i, R(c.part - 10, i));
+    }
   }
 }
 
-void ColumnSlopes::set_up(const State& x) {
-  if (any_gap_) set_poses(system_, x.t, x.q, at_);
+template <class Space> Index places_of_state(const SystemOf<Space>& system) {
+  return kPlanar<Space> ? 2 * system.dof() : kSpatialColumns * system.bodies();
 }
 
-double ColumnSlopes::value(std::size_t i, const State& x) const {
+}  // namespace
+
+template <class Space> ColumnSlopesOf<Space>::ColumnSlopesOf(const System& system, std::vector<RunColumn> columns)
+    : system_(system), columns_(std::move(columns)), at_(TermsOf<Space>(system).at) {
+  for (const RunColumn& column : columns_) {
+    const Index count = column.kind == RunColumn::Kind::state ? places_of_state(system) : system.listed();
+    if (column.place < 0 || column.place >= count)
+      throw std::invalid_argument("column of a run: place must be 0 to " + std::to_string(count - 1));
+    if (kPlanar<Space> && column.kind == RunColumn::Kind::across)
+      throw std::invalid_argument("column of a run: impulses across are in space");
+    any_gap_ = any_gap_ || column.kind == RunColumn::Kind::gap;
+    any_impulse_ = any_impulse_ || column.impulse();
+  }
+}
+
+template <class Space> void ColumnSlopesOf<Space>::set_up(const State& x) {
+  if (any_gap_) set_poses(system_, x.t, x.q, at_);
+  if constexpr (!kPlanar<Space>) x_ = x;
+}
+
+template <class Space> double ColumnSlopesOf<Space>::value(std::size_t i, const State& x) const {
   const RunColumn& column = columns_[i];
   if (column.kind == RunColumn::Kind::gap) return gap_of(system_, {}, static_cast<int>(column.place), at_);
-  if (column.kind != RunColumn::Kind::state) return 0;
-  return column.place < system_.dof() ? x.q[column.place] : x.v[column.place - system_.dof()];
+  return column.kind == RunColumn::Kind::state ? value_at(system_, x, column.place) : 0;
 }
 
-double ColumnSlopes::push(std::size_t i, const ParameterChange& parameter, const double* q, const double* v) const {
+template <class Space> double ColumnSlopesOf<Space>::push(std::size_t i, const ParameterChange& parameter,
+                                                          const double* q, const double* v) const {
   const RunColumn& column = columns_[i];
-  if (column.kind == RunColumn::Kind::state)
-    return column.place < system_.dof() ? q[column.place] : v[column.place - system_.dof()];
+  if (column.kind == RunColumn::Kind::state) {
+    if constexpr (kPlanar<Space>) {
+      return column.place < system_.dof() ? q[column.place] : v[column.place - system_.dof()];
+    } else {
+      double sum = 0;
+      each_slope(system_, x_, column.place, [&](Index of_q, double by_q, Index of_v, double by_v) {
+        if (of_q >= 0) sum += by_q * q[of_q];
+        if (of_v >= 0) sum += by_v * v[of_v];
+      });
+      return sum;
+    }
+  }
   if (column.kind != RunColumn::Kind::gap) return 0;
-  const Contact& contact = system_.scene().contacts[static_cast<std::size_t>(column.place)];
+  const auto& contact = system_.scene().contacts[static_cast<std::size_t>(column.place)];
   return apply(std::visit([&](const auto& c) { return c.rows(at_).normal; }, contact), q) + by_parameter(i, parameter);
 }
 
-void ColumnSlopes::pull(std::size_t i, double weight, double* q, double* v) const {
+template <class Space> void ColumnSlopesOf<Space>::pull(std::size_t i, double weight, double* q, double* v) const {
   const RunColumn& column = columns_[i];
-  if (column.kind == RunColumn::Kind::state)
-    (column.place < system_.dof() ? q[column.place] : v[column.place - system_.dof()]) += weight;
+  if (column.kind == RunColumn::Kind::state) {
+    if constexpr (kPlanar<Space>)
+      (column.place < system_.dof() ? q[column.place] : v[column.place - system_.dof()]) += weight;
+    else
+      each_slope(system_, x_, column.place, [&](Index of_q, double by_q, Index of_v, double by_v) {
+        if (of_q >= 0) q[of_q] += weight * by_q;
+        if (of_v >= 0) v[of_v] += weight * by_v;
+      });
+  }
   if (column.kind != RunColumn::Kind::gap) return;
-  const Contact& contact = system_.scene().contacts[static_cast<std::size_t>(column.place)];
+  const auto& contact = system_.scene().contacts[static_cast<std::size_t>(column.place)];
   apply_transposed(std::visit([&](const auto& c) { return c.rows(at_).normal; }, contact), weight, q);
 }
 
-double ColumnSlopes::by_parameter(std::size_t i, const ParameterChange& parameter) const {
+template <class Space>
+double ColumnSlopesOf<Space>::by_parameter(std::size_t i, const ParameterChange& parameter) const {
   const RunColumn& column = columns_[i];
   const auto& changed = parameter.contacts;
   if (column.kind != RunColumn::Kind::gap || std::find(changed.begin(), changed.end(), column.place) == changed.end())
     return 0;
-  return parameter.derivative<1>(
+  return parameter.template derivative<1>(
       [&](const System& s, std::array<double, 1>& x) { x[0] = gap_of(s, {}, static_cast<int>(column.place), at_); })[0];
 }
+
+template class ColumnSlopesOf<Planar>;
+template class ColumnSlopesOf<Spatial>;
 
 }  // namespace orthant

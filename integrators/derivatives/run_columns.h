@@ -1,7 +1,9 @@
 // integrators/derivatives/run_columns.h — columns of a run that have derivatives: state, gaps, impulses of contacts.
 #pragma once
 
+#include <orthant/core/mechanics/spatial/friction_impulse.h>
 #include <orthant/integrators/derivatives/rattle_linearization.h>
+#include <orthant/integrators/derivatives/spatial_step_linearization.h>
 #include <orthant/integrators/simulate.h>
 
 #include <span>
@@ -12,10 +14,14 @@ namespace orthant {
 
 /// Of the steps to differentiate: by moreau-jean, or by rattle.
 using StepScheme = std::variant<MoreauJeanOptions, RattleOptions>;
-template <class Options> struct StepSchemeOf;
+template <class Options, class Space = Planar> struct StepSchemeOf;
 template <> struct StepSchemeOf<MoreauJeanOptions> {
   using Integrator = MoreauJean;
   using Linearization = StepLinearization;
+};
+template <> struct StepSchemeOf<MoreauJeanOptions, Spatial> {
+  using Integrator = MoreauJeanOf<Spatial>;
+  using Linearization = SpatialStepLinearization;
 };
 template <> struct StepSchemeOf<RattleOptions> {
   using Integrator = Rattle;
@@ -23,9 +29,13 @@ template <> struct StepSchemeOf<RattleOptions> {
 };
 
 struct RunColumn {
-  enum class Kind { state, gap, normal, tangent };  // the last two: impulses since the record before [N s]
+  enum class Kind { state, gap, normal, tangent, across };  // the last three: impulses since the record before [N s]
   Kind kind = Kind::state;
-  Index place = 0;  // in (q, v), 0 … 2 dof − 1; of the others the contact
+  /// In (q, v), 0 … 2 dof − 1; of the others the contact. In space 13 of each body: x, y, z, the body's quaternion
+  /// w, x, y, z, velocity and angular velocity in the world.
+  Index place = 0;
+
+  bool impulse() const { return kind == Kind::normal || kind == Kind::tangent || kind == Kind::across; }
 };
 
 /// A step in which rows are weakly active: only one-sided derivatives exist from here on.
@@ -46,16 +56,29 @@ struct RunSteps {
   long whole, total, every;
 };
 
-class ColumnSlopes {
+/// Of a column of impulses: that of the contact in a step, and its change or weight.
+template <class Space>
+double impulse_of(RunColumn column, const SystemOf<Space>& system, const std::vector<ImpulseOf<Space>>& impulses) {
+  const auto& one = impulses[at(column.place)];
+  if (column.kind == RunColumn::Kind::normal) return one.normal;
+  const auto tangent = along_unit_tangents(system.law(static_cast<int>(column.place)), one.tangent);
+  return tangent_part(tangent, column.kind == RunColumn::Kind::across ? 1 : 0);
+}
+double& impulse_of(RunColumn column, ImpulseChange& change);
+
+template <class Space> class ColumnSlopesOf {
  public:
+  using System = SystemOf<Space>;
+  using ParameterChange = ParameterChangeOf<Space>;
+
   /// Throws std::invalid_argument for places that are none.
-  ColumnSlopes(const System& system, std::vector<RunColumn> columns);
+  ColumnSlopesOf(const System& system, std::vector<RunColumn> columns);
 
   const std::vector<RunColumn>& columns() const { return columns_; }
   bool any_gap() const { return any_gap_; }
   bool any_impulse() const { return any_impulse_; }
 
-  /// Poses for the gaps' slopes.
+  /// The state whose columns' slopes follow.
   void set_up(const State& x);
   /// Of column i: value, but of impulses 0.
   double value(std::size_t i, const State& x) const;
@@ -69,7 +92,11 @@ class ColumnSlopes {
   const System& system_;
   std::vector<RunColumn> columns_;
   bool any_gap_ = false, any_impulse_ = false;
-  Kinematics at_;
+  KinematicsOf<Space> at_;
+  State x_;  // in space
 };
+extern template class ColumnSlopesOf<Planar>;
+extern template class ColumnSlopesOf<Spatial>;
+using ColumnSlopes = ColumnSlopesOf<Planar>;
 
 }  // namespace orthant

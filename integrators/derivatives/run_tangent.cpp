@@ -6,22 +6,22 @@ namespace orthant {
 
 namespace {
 
-template <class Options> RunTangent tangent_of_run(const System& system, const std::vector<RunParameter>& parameters,
-                                                   const Options& options, Solver& solver, const Clock& clock,
-                                                   const std::vector<RunColumn>& columns,
-                                                   const TangentRecorder& record) {
-  using Scheme = StepSchemeOf<Options>;
+template <class Space, class Options>
+RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunParameterOf<Space>>& parameters,
+                          const Options& options, Solver& solver, const Clock& clock,
+                          const std::vector<RunColumn>& columns, const TangentRecorder& record) {
+  using Scheme = StepSchemeOf<Options, Space>;
   check(clock);
   const auto count = static_cast<Index>(parameters.size());
-  std::vector<ParameterChange> changes;
-  for (const RunParameter& parameter : parameters) changes.push_back(changes_of(parameter, system, clock.duration));
+  std::vector<ParameterChangeOf<Space>> changes;
+  for (const auto& parameter : parameters) changes.push_back(changes_of(parameter, system, clock.duration));
   RunTangent result;
   result.warnings = one_sided_in_words(parameters, changes);
   typename Scheme::Integrator integrator(system, options);
   typename Scheme::Linearization linear(system, options);
-  StartLinearization start(system);
+  StartLinearizationOf<Space> start(system);
   linear.begin_friction(begun_frictions(changes, system));
-  ColumnSlopes slopes(system, columns);
+  ColumnSlopesOf<Space> slopes(system, columns);
   std::vector<StepPart> parts(parameters.size());
   typename Scheme::Linearization::Trace trace;
   std::vector<ImpulseChange> impulses(parameters.size());
@@ -45,14 +45,13 @@ template <class Options> RunTangent tangent_of_run(const System& system, const s
   };
   const auto each_impulse = [&](auto&& take) {
     for (std::size_t i = 0; i < columns.size(); ++i)
-      if (columns[i].kind == RunColumn::Kind::normal || columns[i].kind == RunColumn::Kind::tangent)
-        take(static_cast<Index>(i), columns[i].place, columns[i].kind == RunColumn::Kind::normal);
+      if (columns[i].impulse()) take(static_cast<Index>(i), columns[i]);
   };
   State before;
   bool begun = false;
   Clock each = clock;
   each.every = 1;
-  result.run = simulate(integrator, solver, each, [&](const RunSample& moment) {
+  result.run = simulate(integrator, solver, each, [&](const RunSampleOf<Space>& moment) {
     if (begun && (!has_answer(moment.report.status) || moment.state.t == before.t)) return;
     if (!begun) {
       start.set_up(system.initial_state(), moment.state);
@@ -67,13 +66,9 @@ template <class Options> RunTangent tangent_of_run(const System& system, const s
       linear.set_up(trace);
       for (Index j = 0; j < count; ++j) linear.part_of(changes[at(j)], parts[at(j)]);
       linear.push(parts, dq, dv, slopes.any_impulse() ? &impulses : nullptr);
-      each_impulse([&](Index row, Index contact, bool normal) {
-        for (Index j = 0; j < count; ++j)
-          by(row, j) += (normal ? impulses[at(j)].normal : impulses[at(j)].tangent)[contact];
-      });
-      each_impulse([&](Index row, Index contact, bool normal) {
-        const Impulse& impulse = moment.impulses[at(contact)];
-        value[row] += normal ? impulse.normal : impulse.tangent;
+      each_impulse([&](Index row, RunColumn column) {
+        for (Index j = 0; j < count; ++j) by(row, j) += impulse_of(column, impulses[at(j)]);
+        value[row] += impulse_of(column, system, moment.impulses);
       });
       refuse_overflow(std::isfinite(dq.sum() + dv.sum()), before.t);
       if (!linear.degenerate().empty()) result.degenerate.push_back({before.t, linear.degenerate()});
@@ -95,6 +90,12 @@ RunTangent differentiate_run(const System& system, const std::vector<RunParamete
   return std::visit(
       [&](const auto& options) { return tangent_of_run(system, parameters, options, solver, clock, columns, record); },
       scheme);
+}
+
+RunTangent differentiate_run(const SystemOf<Spatial>& system, const std::vector<RunParameterOf<Spatial>>& parameters,
+                             const MoreauJeanOptions& scheme, Solver& solver, const Clock& clock,
+                             const std::vector<RunColumn>& columns, const TangentRecorder& record) {
+  return tangent_of_run(system, parameters, scheme, solver, clock, columns, record);
 }
 
 }  // namespace orthant

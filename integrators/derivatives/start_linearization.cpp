@@ -6,7 +6,7 @@
 
 namespace orthant {
 
-void StartLinearization::set_up(const State& given, const State& closed) {
+template <class Space> void StartLinearizationOf<Space>::set_up(const State& given, const State& closed) {
   constexpr double kSame = 1e-8;  // of the state: what one projection leaves
   State between = closed;
   between.v = given.v;
@@ -17,17 +17,22 @@ void StartLinearization::set_up(const State& given, const State& closed) {
                                 " more than one projection closes: must keep them");
 }
 
-void StartLinearization::part_of(const ParameterChange& parameter, StepPart& part) {
+template <class Space>
+void StartLinearizationOf<Space>::part_of(const ParameterChangeOf<Space>& parameter, StepPart& part) {
   part.step.clear(), part.projection.clear();
   if (!parameter.of_scene()) return;
   rates_.part_of(parameter, part.projection);
   places_.part_of(parameter, part.step);
 }
 
-void StartLinearization::push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v) {
+template <class Space>
+void StartLinearizationOf<Space>::push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v) {
   unused_rates_.setZero(v.rows(), v.cols());  // the velocities are those of the second projection
   places_.push({&parameters, &StepPart::step}, q, unused_rates_);
   rates_.push({&parameters, &StepPart::projection}, q, v);
 }
+
+template class StartLinearizationOf<Planar>;
+template class StartLinearizationOf<Spatial>;
 
 }  // namespace orthant

@@ -5,17 +5,22 @@
 #pragma once
 
 #include <orthant/integrators/derivatives/projection_linearization.h>
+#include <orthant/integrators/derivatives/spatial_projection_linearization.h>
+
+#include <type_traits>
 
 namespace orthant {
 
-class StartLinearization {
+template <class Space> class StartLinearizationOf {
  public:
-  explicit StartLinearization(const System& system) : places_(system), rates_(system) { unused_.setZero(system.dof()); }
+  explicit StartLinearizationOf(const SystemOf<Space>& system) : places_(system), rates_(system) {
+    unused_.setZero(system.dof());
+  }
 
   /// From the state `given` to `closed`. Throws std::invalid_argument for a start that one projection does not close.
   void set_up(const State& given, const State& closed);
 
-  void part_of(const ParameterChange& parameter, StepPart& part);
+  void part_of(const ParameterChangeOf<Space>& parameter, StepPart& part);
   void push(const std::vector<StepPart>& parameters, DirectionBlock& q, DirectionBlock& v);
   /// Calls parameter(adjoint of the coordinates' projection, of the velocities').
   template <class F> void pull(double* q, double* v, F&& parameter) {
@@ -26,9 +31,12 @@ class StartLinearization {
   }
 
  private:
-  ProjectionLinearization places_, rates_;
+  std::conditional_t<kPlanar<Space>, ProjectionLinearization, SpatialProjectionLinearization> places_, rates_;
   DirectionBlock unused_rates_;
   Eigen::VectorXd unused_, by_places_, by_rates_;
 };
+extern template class StartLinearizationOf<Planar>;
+extern template class StartLinearizationOf<Spatial>;
+using StartLinearization = StartLinearizationOf<Planar>;
 
 }  // namespace orthant

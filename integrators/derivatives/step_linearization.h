@@ -45,8 +45,9 @@ struct StepTrace {
 };
 
 /// Impulses of contacts: their changes in a tangent, the weights of a scalar in an adjoint. One entry a contact [N s].
+/// across: of the second tangent, in space.
 struct ImpulseChange {
-  Eigen::VectorXd normal, tangent;
+  Eigen::VectorXd normal, tangent, across;
 };
 
 /// Throws std::runtime_error for tangents or adjoints that are not finite any more, of a step from t on.

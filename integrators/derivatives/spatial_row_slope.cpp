@@ -1,0 +1,138 @@
+#include <orthant/integrators/derivatives/spatial_row_slope.h>
+
+#include <cmath>
+
+namespace orthant {
+
+namespace {
+
+using SpatialRow = RowOf<Spatial>;
+using SpatialRowSlope = RowSlopeOf<Spatial>;
+constexpr std::size_t kRowEntries = 2 * Spatial::kVelocities;
+
+void put_entries(const SpatialRow& row, double* to) {
+  const auto entries = entries_of(row);
+  std::copy(entries.begin(), entries.end(), to);
+}
+
+/// rows(at, SpatialRow*) fills n rows on the bodies a and b, in either order.
+template <std::size_t n, class F>
+void find_row_slopes(KinematicsOf<Spatial>& at, BodyId a, BodyId b, F&& rows, SpatialRowSlope* slopes) {
+  static_assert(n * kRowEntries <= PoseDifferences::kMostValues);
+  std::array<SpatialRow, n> all;
+  rows(at, all.data());
+  const std::array<SpatialRow, n> here = all;
+  for (std::size_t i = 0; i < n; ++i) slopes[i].count = 0;
+  PoseDifferences::each(
+      at, a, b, n * kRowEntries,
+      [&](const KinematicsOf<Spatial>& k, PoseDifferences::Values& values) {
+        rows(k, all.data());
+        for (std::size_t i = 0; i < n; ++i) put_entries(all[i], values.data() + i * kRowEntries);
+      },
+      [&](Eigen::Index by, const PoseDifferences::Values& slope) {
+        for (std::size_t i = 0; i < n; ++i)
+          for (std::size_t k = 0; k < kRowEntries; ++k)
+            if (const Eigen::Index of = place_of_entry(here[i], k); of >= 0)
+              slopes[i].add(of, by, slope[i * kRowEntries + k]);
+      });
+}
+
+spatial::ContactRows plain_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
+  return std::visit([&](const auto& c) { return c.rows(at); },
+                    system.scene().contacts[static_cast<std::size_t>(contact)]);
+}
+
+}  // namespace
+
+spatial::Pose PoseDifferences::shifted(const spatial::Pose& pose, int coordinate, double by) {
+  spatial::Pose moved = pose;
+  if (coordinate < 3) {
+    moved.x[coordinate] += by;
+    return moved;
+  }
+  const Vector3d axis = pose.axes.col(coordinate - 3);  // R exp δφ turns the world about R δφ
+  const spatial::Matrix3d turn = Eigen::AngleAxisd(by, axis).toRotationMatrix();
+  moved.axes = turn * pose.axes, moved.R = turn * pose.R;
+  return moved;
+}
+
+Vector3d first_tangent(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
+  return spatial::direction_of(plain_rows(system, contact, at).tangents[0]);
+}
+
+SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at,
+                         const Vector3d* along) {
+  constexpr double kJumps = 0.9;  // cosine between first tangents of which one is not the other's continuation
+  const ContactLaw& law = system.law(contact);
+  spatial::ContactRows c = plain_rows(system, contact, at);
+  const Vector3d n = spatial::direction_of(c.normal);
+  Vector3d t = spatial::direction_of(c.tangents[0]);
+  if (along != nullptr && t.dot(*along) < kJumps) {
+    const Vector3d other = n.cross(t), next = (*along - n.dot(*along) * n).normalized();
+    const double cosine = next.dot(t), sine = next.dot(other);
+    const auto [one, two] = c.tangents;
+    c.tangents = {combined(scaled(one, cosine), sine, two), combined(scaled(one, -sine), cosine, two)};
+    t = next;
+  }
+  spatial::adapt_to_surface(law, at, c);
+  SurfaceRows all;
+  const SpatialRow none = blank(c.normal);
+  all.rows = {c.normal, c.tangents[0], c.tangents[1], none, none, none};
+  all.belt[1] = c.belt.first, all.belt[2] = c.belt.second;
+  if (law.surface.turns()) {
+    const std::array<Vector3d, 3> axes = {t, n.cross(t), n};
+    const Vector3d turn = at.at(c.normal.b).turn(law.surface.omega);
+    for (std::size_t i = 0; i < 3; ++i) {
+      all.rows[3 + i] = spatial::turn_row(at, c.normal.a, c.normal.b, axes[i]);
+      all.belt[3 + i] = turn.dot(axes[i]);
+    }
+  }
+  return all;
+}
+
+void slopes_of(const spatial::Joint& joint, KinematicsOf<Spatial>& at, SpatialRowSlope* slopes) {
+  std::visit(
+      [&](const auto& j) {
+        const auto [a, b] = bodies_of(j);
+        find_row_slopes<static_cast<std::size_t>(std::remove_cvref_t<decltype(j)>::kRows)>(
+            at, a, b, [&](const KinematicsOf<Spatial>& k, SpatialRow* G) { j.rows(k, G); }, slopes);
+      },
+      joint);
+}
+
+void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatial>& at, SurfaceSlopes& slopes) {
+  constexpr std::size_t n = SurfaceRows::kMost;
+  static_assert(n * (kRowEntries + 1) <= PoseDifferences::kMostValues);
+  const bool turns = system.law(contact).surface.turns();
+  const std::size_t used = turns ? n : 3;
+  const Vector3d along = first_tangent(system, contact, at);
+  const SurfaceRows here = surface_rows(system, contact, at);
+  for (auto& slope : slopes.rows) slope.count = 0;
+  slopes.belt.clear();
+  const auto [a, b] = bodies_of(system, {}, contact);
+  PoseDifferences::each(
+      at, a, b, used * (kRowEntries + 1),
+      [&](const KinematicsOf<Spatial>& k, PoseDifferences::Values& values) {
+        const SurfaceRows there = surface_rows(system, contact, k, &along);
+        for (std::size_t i = 0; i < used; ++i) {
+          put_entries(there.rows[i], values.data() + i * (kRowEntries + 1));
+          values[i * (kRowEntries + 1) + kRowEntries] = there.belt[i];
+        }
+      },
+      [&](Eigen::Index by, const PoseDifferences::Values& slope) {
+        for (std::size_t i = 0; i < used; ++i) {
+          const double* const of_row = slope.data() + i * (kRowEntries + 1);
+          for (std::size_t k = 0; k < kRowEntries; ++k)
+            if (const Eigen::Index of = place_of_entry(here.rows[i], k); of >= 0) slopes.rows[i].add(of, by, of_row[k]);
+          if (of_row[kRowEntries] != 0) slopes.belt.push_back({static_cast<Eigen::Index>(i), by, of_row[kRowEntries]});
+        }
+      });
+}
+
+void slope_of(const spatial::Coordinate& coordinate, KinematicsOf<Spatial>& at, SpatialRowSlope& slope) {
+  const auto [a, b] = std::visit([](const auto& c) { return std::pair{c.a, c.b}; }, coordinate.kind());
+  find_row_slopes<1>(
+      at, a, b, [&](const KinematicsOf<Spatial>& k, SpatialRow* G) { *G = coordinate.row(k); }, &slope);
+}
+
+}  // namespace orthant
