@@ -38,6 +38,8 @@ template <class RunType, class Visit> void visit_fields(RunType& run, Visit&& vi
   visit("crossings", "", "crowds of events crossed to first order", run.crossings);
   visit("error_estimate", "m, rad", "error of the final coordinates; 0: the integrator has no estimate",
         run.error_estimate);
+  visit("rotation_error", "rad", "estimated error of free rotation in space, of integrators of fixed step",
+        run.rotation_error);
   visit("energy_rises", "", "impacts (a fixed step's count as one) and crossings that raised the energy",
         run.energy_rises);
   visit("max_energy_rise", "J", "largest of these rises", run.max_energy_rise);

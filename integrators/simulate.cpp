@@ -3,6 +3,7 @@
 #include <orthant/integrators/run_fields.h>
 #include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/step/pulley_watch.h>
+#include <orthant/integrators/step/rotation_watch.h>
 #include <orthant/integrators/step/turn_watch.h>
 
 #include <chrono>
@@ -122,18 +123,20 @@ template <class Space> std::string refusal_of(Solver& solver, const IntegratorOf
 }
 
 /// Directions that are lost within a step, of schemes of fixed step; those that divide their step watch them within it.
-/// In the plane: of taut ropes (pulley_watch.h). In space: angles that turn (turn_watch.h).
+/// In the plane: of taut ropes (pulley_watch.h). In space: angles that turn (turn_watch.h), and the error of free
+/// rotation (rotation_watch.h).
 template <class Space> class DirectionWatch {
  public:
   DirectionWatch(const IntegratorOf<Space>& integrator, const State& start)
       : pulleys_(integrator, start), inner_(integrator.controls_step()) {}
-  bool admits(const State& x) {
+  bool admits(double /*h*/, const State& x) {
     if (!inner_) return pulleys_.admits(x);
     pulleys_.follow(x);  // for explains()
     return true;
   }
   bool explains(const State& x, double h) { return pulleys_.explains(x, h); }
   const std::string& why() const { return pulleys_.why(); }
+  void tell(Run& /*run*/) const {}
   void remember(CheckpointData& memory) { memory(pulleys_); }
 
  private:
@@ -143,18 +146,27 @@ template <class Space> class DirectionWatch {
 template <> class DirectionWatch<Spatial> {
  public:
   DirectionWatch(const IntegratorOf<Spatial>& integrator, const State& start) {
-    if (!integrator.controls_step()) turns_.emplace(integrator.system(), kMostTurn).follow(start.t, start.q, start.v);
+    if (integrator.controls_step()) return;
+    turns_.emplace(integrator.system(), kMostTurn).follow(start.t, start.q, start.v);
+    rotations_.emplace(integrator.system(), start);
   }
-  bool admits(const State& x) { return !turns_ || turns_->follow(x.t, x.q, x.v); }
+  bool admits(double h, const State& x) {
+    if (rotations_) rotations_->follow(h, x);
+    return !turns_ || turns_->follow(x.t, x.q, x.v);
+  }
   bool explains(const State& /*x*/, double /*h*/) const { return false; }
   const std::string& why() const { return turns_->why(); }
+  void tell(Run& run) const {
+    if (rotations_) run.rotation_error = rotations_->error(), run.rotation_body = rotations_->body();
+  }
   void remember(CheckpointData& memory) {
-    if (turns_) memory(*turns_);
+    if (turns_) memory(*turns_, *rotations_);
   }
 
  private:
   static constexpr double kMostTurn = 1.5;  // [rad] in a step: with both signs less than half a turn
   std::optional<TurnWatch> turns_;
+  std::optional<RotationWatch> rotations_;
 };
 
 void note(const StepReport& report, Run& run) {
@@ -342,7 +354,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
       break;
     }
     x.t = k + 1 < total ? static_cast<double>(k + 1) * clock.step : clock.duration;  // no summed rounding
-    if (!directions.admits(x)) {
+    if (!directions.admits(h, x)) {
       run.status = Status::numerical_error, run.why = directions.why();
       note(report, run);
       recording.end(true, x, report, integrator);
@@ -375,6 +387,7 @@ template <class Space> Run simulate(IntegratorOf<Space>& integrator, Solver& sol
   run.seconds = seconds_before + std::chrono::duration<double>(WallClock::now() - begin).count() - recording.seconds;
   run.energy_final = energy(system, x);
   run.motion = watch.motion();
+  directions.tell(run);
   return run;
 }
 

@@ -37,7 +37,9 @@ struct Run {
   long energy_rises = 0;                  // impacts (impact.h) and crossings that raised it
   double max_energy_rise = 0, max_energy_rise_time = 0;  // [J] the most in one step; [s] its event, or the step's end
   Admissibility motion;                                  // overlaps and energy balance (step/admissible.h)
-  long passages = 0;  // steps in which bodies passed through each other (tunnelling.h)
+  double rotation_error = 0;       // [rad] estimated, of free rotation in space by fixed steps (step/rotation_watch.h)
+  BodyId rotation_body = kGround;  // that has it
+  long passages = 0;               // steps in which bodies passed through each other (tunnelling.h)
   Passage first_passage;
   double first_passage_time = kInf;  // [s] the end of that step; infinity: there is none
 };

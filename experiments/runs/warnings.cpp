@@ -70,6 +70,14 @@ void add_undetermined(const Run& run, std::vector<std::string>& to) {
                run.first_undetermined_time, " s: the most even shares are taken; the model has other motions, too"));
 }
 
+template <class Scene> void add_rotation(const Scene& scene, const Run& run, std::vector<std::string>& to) {
+  if (!(run.rotation_error > kMisturned)) return;
+  to.push_back(words_of("\"", scene.bodies[static_cast<std::size_t>(run.rotation_body)].name,
+                        "\" turns freely with an error of about ", run.rotation_error,
+                        " rad: the steps do not resolve how its axes turn; take a smaller step, moreau-jean, "
+                        "generalized-alpha or adaptive"));
+}
+
 }  // namespace
 
 namespace {
@@ -237,6 +245,7 @@ template <class Space> std::vector<std::string> warnings_of(const SystemOf<Space
   add_energy(system.scene(), run, all);
   add_passages(system.scene(), run, all);
   add_rounded(run, all), add_plastic(run, all), add_undetermined(run, all);
+  add_rotation(system.scene(), run, all);
   for (std::string& limit : warnings_of(run.motion)) all.push_back(std::move(limit));
   for (std::string& limit : limits_entered(system, run, integrator, step)) all.push_back(std::move(limit));
   return all;

@@ -13,6 +13,7 @@ namespace orthant {
 inline constexpr double kMassRatio = 1e9;  // of bodies that may act on one another
 inline constexpr double kSwing = 1;        // [rad] ω h of a spring
 inline constexpr double kTurn = 0.5;       // [rad] that a body turns in a step
+inline constexpr double kMisturned = 0.1;  // [rad] error of free rotation
 inline constexpr double kDamped = 100;     // h c / m of a damper
 inline constexpr double kFar = 1e5;        // [m] from the origin, [rad]: places and angles are rounded to 1e-11
 

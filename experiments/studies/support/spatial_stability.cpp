@@ -1,5 +1,7 @@
 #include "experiments/studies/support/spatial_stability.h"
 
+#include "experiments/runs/warnings.h"
+
 #include <orthant/core/mechanics/dynamics/terms.h>
 #include <orthant/core/scenes/elliptic.h>
 #include <orthant/core/scenes/masse.h>
@@ -214,6 +216,7 @@ SpatialTrialResult run_trial(const SpatialTrial& trial, const std::string& integ
     result.end = name(run.status), result.why = run.why, result.steps = static_cast<double>(run.steps);
     result.residual = run.max_lcp_residual, result.drift = run.max_joint_residual;
     result.penetration = run.max_penetration, result.seconds = run.seconds;
+    result.warned = !warnings_of(system, run, integrator, trial.scene.step).empty();
     result.error = trial.error(system, run.final);
   } catch (const std::invalid_argument& error) {
     result.end = "refused", result.why = error.what();

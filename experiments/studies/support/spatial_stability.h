@@ -41,6 +41,7 @@ std::vector<SpatialStudy> spatial_studies(bool quick);
 
 struct SpatialTrialResult {
   std::string end, why;  // a status, or "refused"
+  bool warned = false;   // the run says that its motion may be wrong, or warns otherwise
   double steps = 0, error = 0, residual = 0, drift = 0, penetration = 0, seconds = 0;
 };
 
