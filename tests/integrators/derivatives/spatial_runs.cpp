@@ -107,7 +107,7 @@ TEST_CASE(
     };
     p.value = 0;
   }
-  check_spatial(ball, parameters, clock, {.tolerance = 1e-5, .step = 1e-4});
+  check_spatial(ball, parameters, clock, {.step = 1e-6});
   check_spatial(scene, all_starts(scene), clock, {}, {.theta = 1});
 }
 
@@ -125,7 +125,7 @@ position = [0.4, 0, 1]
 [[body]]
 name = "rod"
 mass = 0.6
-inertia = [[0.004, 0.001, 0], [0.001, 0.03, 0.002], [0, 0.002, 0.031]]
+inertia = [[0.006, 0.001, 0], [0.001, 0.03, 0.002], [0, 0.002, 0.031]]
 position = [1.1, 0, 1]
 [[body]]
 name = "door"
@@ -202,8 +202,8 @@ point = [0.1, 0.1, 0]
 force = [0.2, 1, 0]
 )";
 
-/// A block that slides, strikes and turns on a floor, with a ball on it.
-const std::string kBlock = R"(
+/// A block that strikes, slides and turns on a slope: on all its corners, and on three feet.
+const std::string kSlidingBlock = R"(
 dimension = 3
 gravity = [0, 0, -9.81]
 [[body]]
@@ -214,6 +214,8 @@ position = [0, 0, 0.31]
 orientation = [0.99, 0.05, 0.1, 0.05]
 velocity = [0.8, 0.3, 0]
 omega = [0.5, 1, 2]
+)";
+const std::string kCorners = R"(
 [[contact]]
 type = "box-wall"
 name = "floor"
@@ -223,6 +225,10 @@ wall = {point = [0, 0, 0], normal = [0, 0.05, 1]}
 mu = 0.25
 e_n = 0.4
 )";
+std::string foot(const std::string& name, const std::string& place) {
+  return "[[contact]]\ntype = \"corner-wall\"\nname = \"" + name + "\"\nbody = \"block\"\npoint = " + place +
+         "\nwall = {point = [0, 0, 0], normal = [0, 0.05, 1]}\nmu = 0.25\ne_n = 0.4\n";
+}
 
 const std::string kEllipsoid = R"(
 dimension = 3
@@ -293,25 +299,36 @@ TEST_CASE("tangent of a run in space: joints, a drive, springs, drag, dry fricti
   }));
   const RunTangent t = check_spatial(scene, parameters, clock);
   CHECK(t.degenerate.empty());
-  check_spatial(scene, all_starts(scene, 1), clock, {.step = 1e-5});
+  std::vector<SpatialParameter> starts;  // those that the joints leave
+  for (const SpatialParameter& p : all_starts(scene, 1))
+    if (p.start % 6 != 0) starts.push_back(p);
+  check_spatial(scene, starts, clock, {.step = 1e-5});
 }
 
-TEST_CASE("tangent of a run in space: a block whose corners strike and slide with friction discs, and come to rest") {
-  const spatial::Scene scene = normalized(kBlock);
-  const Clock clock{.step = 1e-3, .duration = 0.5};
-  std::vector<SpatialParameter> parameters = all_starts(scene);
-  const auto laws = [&](const std::string& name, double value, auto set) {
-    parameters.push_back({name, value,
-                          [scene, set](double x) {
-                            spatial::Scene s = scene;
-                            for (auto& c : s.contacts) std::visit([&](auto& one) { set(one.law, x); }, c);
-                            return s;
-                          },
-                          -1});
-  };
-  laws("mu", 0.25, [](ContactLaw& law, double x) { law.mu = x; });
-  laws("e_n", 0.4, [](ContactLaw& law, double x) { law.e = x; });
-  check_spatial(scene, parameters, clock, {.tolerance = 2e-6, .step = 1e-7});
+TEST_CASE("tangent of a run in space: a block whose corners or feet strike, slide and turn, with friction discs") {
+  for (const bool on_feet : {false, true}) {
+    INFO(on_feet);
+    const spatial::Scene scene =
+        normalized(kSlidingBlock + (on_feet ? foot("front", "[0.15, 0, -0.1]") + foot("left", "[-0.1, 0.12, -0.1]") +
+                                                  foot("right", "[-0.1, -0.12, -0.1]")
+                                            : kCorners));
+    const Clock clock{.step = 1e-3, .duration = on_feet ? 0.5 : 0.45};
+    std::vector<SpatialParameter> parameters = all_starts(scene);
+    const auto laws = [&](const std::string& name, double value, auto set) {
+      parameters.push_back({name, value,
+                            [scene, set](double x) {
+                              spatial::Scene s = scene;
+                              for (auto& c : s.contacts) std::visit([&](auto& one) { set(one.law, x); }, c);
+                              return s;
+                            },
+                            -1});
+    };
+    laws("mu", 0.25, [](ContactLaw& law, double x) { law.mu = x; });
+    laws("e_n", 0.4, [](ContactLaw& law, double x) { law.e = x; });
+    const RunTangent t = check_spatial(scene, parameters, clock, {.step = 1e-7});
+    CHECK(t.degenerate.empty());
+    CHECK(t.inconsistent == 0);
+  }
 }
 
 TEST_CASE(
@@ -330,5 +347,5 @@ TEST_CASE(
   parameters.push_back(by_change(kEllipsoid, "surface.omega.z", 0.4, [](spatial::Scene& s, double x) {
     std::get<spatial::EllipsoidPlane>(s.contacts[0]).law.surface.omega.z() = x;
   }));
-  check_spatial(scene, parameters, clock, {.tolerance = 2e-6, .step = 1e-7});
+  check_spatial(scene, parameters, clock, {.step = 1e-7});
 }
