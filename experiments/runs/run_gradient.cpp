@@ -86,13 +86,13 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
   if (const auto number = node->value<double>()) return exactly(*number);
   const toml::array* array = node->as_array();
   if (array == nullptr) return {};
-  std::string text = "[";
+  std::string list = "[";
   for (const toml::node& entry : *array) {
     const auto number = entry.value<double>();
     if (!number) return {};
-    text += (text.size() > 1 ? ", " : "") + exactly(*number);
+    list += (list.size() > 1 ? ", " : "") + exactly(*number);
   }
-  return text + "]";
+  return list + "]";
 }
 
 /// The text of a value that the scene leaves at its default, found by trial; empty: none of the usual ones is it.
