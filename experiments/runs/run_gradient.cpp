@@ -65,9 +65,9 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
           if (option.name == key) return option.value;
     return {};
   }
-  const std::string text = source.text ? *source.text : read_scene_text(source.name);  // it has been read
-  if (text.find_first_not_of(" \t\r\n") == text.find('<')) return {};  // a model in XML has no such keys
-  const toml::table root = toml::parse(text);
+  const std::string of_scene = source.text ? *source.text : read_scene_text(source.name);  // it has been read
+  if (of_scene.find_first_not_of(" \t\r\n") == of_scene.find('<')) return {};              // XML: no keys of a scene
+  const toml::table root = toml::parse(of_scene);
   const toml::node* node = node_at(root, key);
   if (node == nullptr) {  // KIND.NAME.KEY
     const auto dot = key.find('.'), second = key.find('.', dot + 1);

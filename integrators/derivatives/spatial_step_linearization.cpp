@@ -133,18 +133,14 @@ void SpatialStepLinearization::solve_step(const Vector* z) {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(system_.dof());
   w_ = v;
   for (int pass = 0;; ++pass) {
-    end_ = w_;
-    to_end_axes(system_, frames_, v, end_);
     gyroscopic_impulse(system_, frames_, v, w_, g);
     force_ = share_.duration * terms_.f + g;
     added.clear();
     append_added_mass(system_, terms_, share_, added);
-    turns_.clear();
+    find_turns();
     for (Index body = 0; body < system_.bodies(); ++body) {
-      turns_.emplace_back(frames_, rotation<Spatial>(v, body), rotation<Spatial>(w_, body),
-                          rotation<Spatial>(end_, body));
       Eigen::Matrix3d by_omega, by_w;
-      turns_.back().of_impulse(rotation<Spatial>(system_.mass(), body), by_omega, by_w);
+      turns_[at(body)].of_impulse(rotation<Spatial>(system_.mass(), body), by_omega, by_w);
       rotation<Spatial>(force_, body) -= by_w * (rotation<Spatial>(w_, body) - rotation<Spatial>(v, body));
       const Index first = Spatial::kVelocities * body + 3;
       append_turn_slopes(added, first, first, -by_w);
@@ -160,8 +156,18 @@ void SpatialStepLinearization::solve_step(const Vector* z) {
     if (pass == kMostPasses || !std::isfinite(off))
       refuse_step(step_.before.t, ": its gyroscopic impulses are not found");
   }
+  find_turns();
+}
+
+// Of w_: v' and the slopes of the turns.
+void SpatialStepLinearization::find_turns() {
+  const Eigen::VectorXd& v = step_.before.v;
   end_ = w_;
   to_end_axes(system_, frames_, v, end_);
+  turns_.clear();
+  for (Index body = 0; body < system_.bodies(); ++body)
+    turns_.emplace_back(frames_, rotation<Spatial>(v, body), rotation<Spatial>(w_, body),
+                        rotation<Spatial>(end_, body));
 }
 
 void SpatialStepLinearization::note_degenerate(Index row) {

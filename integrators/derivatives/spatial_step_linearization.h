@@ -72,6 +72,7 @@ class SpatialStepLinearization {
   void collect_rows();
   void find_strikes();
   void solve_step(const Vector* z);  // w_, joint_, by Newton's method; null: without contacts
+  void find_turns();
   void find_problem();
   void find_pattern();
   void note_degenerate(Index row);
