@@ -59,11 +59,15 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
   for (const std::string& set : source.sets)
     if (set.starts_with(key + "=")) return set.substr(key.size() + 1);
   if (!source.text && is_built_in(source.name)) {
-    for (const SceneEntry& entry : scenes())
-      if (entry.name == source.name)
-        for (const OptionEntry& option : entry.options())
-          if (option.name == key) return option.value;
-    return {};
+    std::string value;
+    const auto look = [&](const auto& entries) {
+      for (const auto& entry : entries)
+        if (entry.name == source.name)
+          for (const OptionEntry& option : entry.options())
+            if (option.name == key) value = option.value;
+    };
+    look(scenes()), look(spatial_scenes());
+    return value;
   }
   const std::string of_scene = source.text ? *source.text : read_scene_text(source.name);  // it has been read
   if (of_scene.find_first_not_of(" \t\r\n") == of_scene.find('<')) return {};              // XML: no keys of a scene

@@ -53,6 +53,48 @@ velocity = [1, 3]
   CHECK(std::abs(number_behind(b.out, "d ball.y / d gravity[1]") - 0.125) < 1e-9);
 }
 
+TEST_CASE("orthant gradient: of a scene in space, by an option, by keys and array entries of a file, by the start") {
+  const Cli folder;
+  const Reply a =
+      folder.orthant("gradient masse --duration 0.5 --of ball.x,table.impulse_n --wrt mu,start.ball.wx,mass");
+  REQUIRE(a.exit_code == 0);
+  const double u[] = {1 + 100 * 0.028575, -60 * 0.028575}, slip = std::hypot(u[0], u[1]);
+  CHECK(std::abs(number_behind(a.out, "d ball.x / d mu") + 9.81 / 8 * u[0] / slip) < 1e-6);
+  CHECK(std::abs(number_behind(a.out, "d table.impulse_n / d mass") - 9.81e-3) < 1e-9);
+
+  folder.write("door.toml", R"(dimension = 3
+gravity = [0, 0, -10]
+duration = 0.5
+step = 0.01
+[[body]]
+name = "door"
+mass = 2
+inertia = [0.2, 0.3, 0.1]
+position = [0.5, 0, 1]
+velocity = [0, 1, 0]
+omega = [0, 0, 2]
+[[joint]]
+type = "revolute"
+name = "hinge"
+bodies = ["ground", "door"]
+point_b = [-0.5, 0, -1]
+axis = [0, 0, 1]
+[[friction]]
+name = "brake"
+joint = "hinge"
+bound = 0.3
+)");
+  // about the hinge J = 0.1 + 2 · 0.25; ω = 2 − 0.3 t / J, turned by 1 − 0.0625 = 0.9375
+  const Reply b = folder.orthant(
+      "gradient door.toml --of door.wz,door.qz --wrt 'friction.brake.bound,body.door.inertia[2],start.door.wz'");
+  REQUIRE(b.exit_code == 0);
+  CHECK(std::abs(number_behind(b.out, "door.wz") - 1.75) < 1e-9);
+  CHECK(std::abs(number_behind(b.out, "d door.wz / d friction.brake.bound") + 0.5 / 0.6) < 1e-9);
+  CHECK(std::abs(number_behind(b.out, "d door.wz / d body.door.inertia[2]") - 0.3 * 0.5 / 0.36) < 1e-8);
+  const double turned = std::cos(0.9375 / 2) / 2;  // of qz by the angle
+  CHECK(std::abs(number_behind(b.out, "d door.qz / d friction.brake.bound") + turned * 0.125 / 0.6) < 1e-8);
+}
+
 TEST_CASE("orthant gradient: of a run of rattle") {
   const Cli folder;
   const std::string clock = " --integrator rattle --step 1e-4 --duration 0.03 ";
@@ -73,7 +115,8 @@ TEST_CASE("orthant gradient refuses in one line; steps with weakly active contac
   for (const std::string arguments :
        {"gradient slider_crank --of crank.gap --wrt mu", "gradient slider_crank --of crank.theta --wrt nu",
         "gradient slider_crank --of crank.theta --wrt mu --integrator adaptive",
-        "gradient masse --of ball.x --wrt mu"}) {
+        "gradient masse --of ball.x --wrt mu --integrator rattle", "gradient masse --of ball.theta --wrt mu",
+        "gradient masse --of ball.x --wrt start.ball.theta", "gradient spheres --of sphere1.x --wrt mu"}) {
     CAPTURE(arguments);
     const Reply a = folder.orthant(arguments);
     CHECK(a.exit_code == 1);

@@ -222,15 +222,16 @@ def _words(what: str, names: Union[str, Sequence[str]]) -> list[str]:
 def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto",
              integrator: str = "moreau-jean", solver: str = "auto", step: Optional[float] = None,
              duration: Optional[float] = None, every: int = 1) -> RunGradient:
-    """Derivatives of a run of a planar scene: by moreau-jean or rattle those of the discrete run, step by step, impacts
-    included; by event-driven those of the motion itself (variational equations and saltation; forward, of bodies and
-    gaps).
+    """Derivatives of a run: by moreau-jean, in the plane also rattle, those of the discrete run, step by step, impacts
+    included; in the plane by event-driven those of the motion itself (variational equations and saltation; forward, of
+    bodies and gaps).
 
     of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n,
-    impulse_t.
+    impulse_t. In space BODY.x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy or wz, and impulse_t1, impulse_t2.
     wrt: parameters: keys with a number, of a built-in scene its options, "mu", else key paths of the scene's text,
     "body.rod.mass", "contact.corner1.mu", entries of arrays by their place, "body.rod.position[0]"; and of the start
-    "start.BODY.x", ... "start.BODY.omega".
+    "start.BODY.x", ... "start.BODY.omega", in space "start.BODY.x", y, z, rx, ry, rz (a turn about an axis of the
+    world), vx, ... wz.
     at: "records": at each of them; "end": at the last one; "sum": of the sum over all of them.
     mode: "forward": its cost grows with the parameters; "reverse", not for at="records": it does not; "auto": the
     cheaper one. scene, integrator, solver, step, duration, every: as of `simulate`.
