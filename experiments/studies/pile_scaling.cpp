@@ -1,13 +1,19 @@
-// Growth of the cost of a pile with its size: discs in a trough, or spheres in a well.
+// Growth of the cost of a pile with its size: discs in a trough, spheres in a well, or bodies poured into a box.
 //
-// Each pile settles; `--by` solves its steps. Two Markdown tables. The first has the processor time of the last steps
-// per body and per contact: without the solver (broad phase, rows, the problem, the motion), and of the solver. It also
-// has the memory at its peak per body, the last residual and the largest overlap. The second has each solver's time on
-// the last step's problem, from a cold start, until the judge accepts a residual (relative to the problem's data).
+// Each pile settles; `--by` solves its steps. Two Markdown tables. The first has, of the last steps: sweeps (or other
+// iterations of the solver), processor time per contact of a whole step, memory per body (scene, system, integrator)
+// and per contact (all that steps add), the peak of the process, the residual as a share of g h, and the largest overlap.
+// With several numbers of threads the last steps take them by turns, on one motion, and wall times follow. Below it
+// stands the slope of each quantity in a log-log fit over the number of contacts. The second table has each solver's
+// time on the last step's problem, from a cold start, until the judge accepts a residual (relative to the problem's
+// data).
+// With --columns there is one table only: of spheres on top of one another, at rest, the iterations of each solver and
+// its factorizations from a cold start to the first of the residuals.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/reference_kernel.h"
 
+#include <orthant/core/mechanics/spatial/solid.h>
 #include <orthant/core/scenes/pile.h>
 #include <orthant/core/scenes/spheres.h>
 #include <orthant/integrators/registry.h>
@@ -16,9 +22,12 @@
 #include <CLI/CLI.hpp>
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -30,56 +39,42 @@ using namespace orthant;
 
 namespace {
 
-/// Another solver, and the time that it takes.
-class Timed final : public Solver {
- public:
-  Timed(const std::string& spec, double tolerance) : by_(make_solver(with(spec, tolerance))), tolerance_(tolerance) {}
-  double seconds = 0;
-
- private:
-  static std::string with(const std::string& spec, double tolerance) {
-    std::ostringstream full;
-    full << spec << (spec.find(':') == std::string::npos ? ':' : ',') << "tolerance=" << tolerance;
-    return full.str();
-  }
-  Claim run(const Lcp& problem, Solution& s, Start start) override {
-    const double begin = thread_time();
-    by_->set_time_limit(budget().remaining());
-    by_->solve(problem, s, start);
-    seconds += thread_time() - begin;
-    return handed_on(Solution(s), s);
-  }
-  bool takes_discs() const override { return true; }  // the other one makes pyramids of them where it does not
-  double tolerance() const override { return tolerance_; }
-  std::unique_ptr<Solver> by_;
-  double tolerance_;
-};
+std::string with(const std::string& spec, double tolerance, int threads = 1) {
+  std::ostringstream full;
+  full << spec << (spec.find(':') == std::string::npos ? ':' : ',') << "tolerance=" << tolerance;
+  if (threads > 1) full << ",threads=" << threads;
+  return full.str();
+}
 
 /// Time in ms, or why there is none.
 std::string cold(const Lcp& problem, const std::string& spec, double tolerance, double time_limit) {
-  Timed solver(spec, tolerance);
-  solver.set_time_limit(time_limit);
+  const auto solver = make_solver(with(spec, tolerance));
+  solver->set_time_limit(time_limit);
   Solution s;
   const double begin = thread_time();
-  if (solver.solve(problem, s).status != Status::solved) return std::string(name(s.status));
+  if (solver->solve(problem, s).status != Status::solved) return std::string(name(s.status));
   std::ostringstream time;
   time << std::setprecision(3) << 1e3 * (thread_time() - begin);
   return time.str();
 }
 
 constexpr double kSettling = 1e-6;  // default tolerance of the steps
-constexpr long kCounted = 20;       // of the last steps
 
 struct Settling {
   std::string by;
   double fall, h, tolerance, time_limit;  // [s], –, [s]
+  long counted;                           // of the last steps
+  std::vector<int> threads;               // by turns in these
 };
 
 /// What the last steps cost and reached.
 struct Cost {
-  double outside = 0, inside = 0;        // [s] a step: without its solver, and of it
-  double residual = 0, penetration = 0;  // the largest [relative, m]
-  Lcp problem;                           // of the last step
+  double contacts = 0, iterations = 0, seconds = 0;  // of a step; processor time with one thread
+  std::vector<double> wall;                          // [s] a step, of each number of threads
+  double body_bytes = 0, contact_bytes = 0;          // of one
+  double residual = 0, penetration = 0;              // the largest [g h, m]
+  Index rows = 0;
+  Lcp problem;  // of the last step, where it is wanted
 };
 
 double peak_memory() {  // [B]
@@ -88,47 +83,157 @@ double peak_memory() {  // [B]
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+double resident_memory() {  // [B]
+  std::ifstream file("/proc/self/statm");
+  double all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double wall_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 /// Throws std::runtime_error with the reason where a step ends without an answer.
-template <class System> Cost settled(const System& system, const Settling& way) {
-  const auto scheme = make_integrator("moreau-jean", system);
-  Timed solver(way.by, way.tolerance);
-  State x = system.initial_state();
+template <class System, class Scene> Cost settled(Scene&& scene, double gravity, const Settling& way, bool problem) {
   Cost cost;
-  const long steps = std::lround(way.fall / way.h), counted = std::min(steps, kCounted);
-  for (long k = 0; k < steps; ++k) {
-    const double begin = thread_time(), before = solver.seconds;
-    const StepReport report = scheme->step(way.h, solver, x);
-    if (report.status != Status::solved)
-      throw std::runtime_error("step " + std::to_string(k) + ": " + std::string(scheme->why()));
-    if (k < steps - counted) continue;
-    cost.inside += (solver.seconds - before) / static_cast<double>(counted);
-    cost.outside += (thread_time() - begin - (solver.seconds - before)) / static_cast<double>(counted);
-    cost.residual = std::max(cost.residual, report.lcp_residual);
-    cost.penetration = std::max(cost.penetration, report.penetration);
+  const double before = resident_memory();
+  const System system(std::forward<Scene>(scene));
+  const auto scheme = make_integrator("moreau-jean", system);
+  std::vector<std::unique_ptr<Solver>> solvers;
+  for (const int threads : way.threads) {
+    solvers.push_back(make_solver(with(way.by, way.tolerance, threads)));
+    solvers.back()->set_time_limit(way.time_limit);
   }
-  cost.problem = scheme->problem();
+  State x = system.initial_state();
+  const double built = resident_memory();
+  cost.body_bytes = (built - before) / system.bodies();
+  const long steps = std::max(1L, std::lround(way.fall / way.h)), counted = std::min(steps, way.counted);
+  const auto turns = static_cast<long>(solvers.size());
+  std::vector<long> taken(solvers.size());
+  cost.wall.resize(solvers.size());
+  double bytes = 0;
+  for (long k = 0; k < steps; ++k) {
+    const auto turn = static_cast<std::size_t>(k < steps - counted ? turns - 1 : k % turns);
+    const double begin = thread_time(), wall = wall_time();
+    const StepReport report = scheme->step(way.h, *solvers[turn], x);
+    const double seconds = thread_time() - begin;
+    if (report.status != Status::solved)
+      throw std::runtime_error("step " + std::to_string(k) + ": " + std::string(name(report.status)) + " " +
+                               std::string(scheme->why()));
+    bytes = std::max(bytes, resident_memory() - built);
+    if (k < steps - counted) continue;
+    double contacts = 0;
+    for (const auto& impulse : scheme->impulses()) contacts += impulse.normal > 0;
+    cost.contacts += contacts / static_cast<double>(counted);
+    cost.iterations += report.lcp_iterations / static_cast<double>(counted);
+    ++taken[turn], cost.wall[turn] += wall_time() - wall;
+    if (way.threads[turn] == 1) cost.seconds += seconds;
+    cost.residual = std::max(cost.residual, report.lcp_residual / (gravity * way.h));
+    cost.penetration = std::max(cost.penetration, report.penetration);
+    cost.rows = report.lcp_rows;
+  }
+  for (std::size_t turn = 0; turn < solvers.size(); ++turn) {
+    if (taken[turn] == 0) continue;
+    cost.wall[turn] /= static_cast<double>(taken[turn]);
+    if (way.threads[turn] == 1) cost.seconds /= static_cast<double>(taken[turn]);
+  }
+  cost.contact_bytes = cost.contacts > 0 ? bytes / cost.contacts : 0;
+  if (problem) cost.problem = scheme->problem();
   return cost;
 }
 
-Cost settled(int dimension, int bodies, const Settling& way) {
-  if (dimension == 2) return settled(System(pile({.discs = bodies})), way);
-  return settled(SystemOf<Spatial>(spheres({.count = bodies})), way);
+/// The problem of a column of spheres at rest, each on the next one.
+Lcp column(int count, double h) {
+  constexpr double kRadius = 0.05;
+  const spatial::Solid solid = spatial::sphere(kRadius);
+  spatial::Scene s;
+  s.gravity = {0, 0, -kGravity};
+  spatial::Collision all{.name = "column", .shapes = {}, .law = {.mu = 0.3}};
+  for (int i = 0; i < count; ++i) {
+    const BodyId body = s.body({.name = "sphere" + std::to_string(i + 1),
+                                .mass = 1000 * solid.volume,
+                                .inertia = 1000 * solid.volume * solid.inertia,
+                                .position = {0, 0, (2 * i + 1) * kRadius}});
+    all.shapes.push_back({body, {Vector3d::Zero()}, kRadius});
+    if (i > 0) continue;
+    spatial::SpherePlane floor{.name = "floor", .a = body, .law = all.law};
+    floor.radius = kRadius;
+    s.contact(floor);
+  }
+  s.collision(std::move(all));
+  const SystemOf<Spatial> system(std::move(s));
+  const auto scheme = make_integrator("moreau-jean", system);
+  const auto solver = make_solver("auto:tolerance=1e-6");
+  State x = system.initial_state();
+  scheme->step(h, *solver, x);
+  return scheme->problem();
 }
+
+void columns(const std::vector<int>& heights, const std::vector<std::string>& specs, double tolerance,
+             const Settling& way) {
+  std::cout << "| spheres | contacts |";
+  for (const std::string& spec : specs) std::cout << " `" << spec << "` |";
+  std::cout << "\n|---|---|";
+  for (std::size_t i = 0; i < specs.size(); ++i) std::cout << "---|";
+  std::cout << std::endl;
+  for (const int height : heights) {
+    const Lcp problem = column(height, way.h);
+    std::cout << "| " << height << " | " << problem.friction.size() << " |";
+    for (const std::string& spec : specs) {
+      const auto solver = make_solver(with(spec, tolerance));
+      solver->set_time_limit(way.time_limit);
+      Solution s;
+      const Status status = solver->solve(problem, s).status;
+      std::cout << ' ';
+      if (has_answer(status))
+        std::cout << s.iterations;
+      else
+        std::cout << name(status);
+      if (s.factorizations > 0) std::cout << " (" << s.factorizations << " factorizations)";
+      std::cout << " |" << std::flush;
+    }
+    std::cout << '\n';
+  }
+}
+
+/// Slope of the least-squares line through (log x, log y).
+double slope(const std::vector<double>& x, const std::vector<double>& y) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!(x[i] > 0 && y[i] > 0)) continue;
+    const double a = std::log(x[i]), b = std::log(y[i]);
+    n += 1, sx += a, sy += b, sxx += a * a, sxy += a * b;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+enum class Kind { discs, spheres, pour };
 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app(
-      "Growth of the cost of a pile of discs or spheres: assembly per body and step, solvers at equal residual");
+  CLI::App app("Growth of the cost of a pile: steps per body and contact, memory, solvers at equal residual");
   std::vector<int> sizes{10, 30, 100, 300, 1000, 3000, 10000};
   std::vector<std::string> specs{"pgs", "nncg", "newton-min", "newton-fb", "auto"};
   std::vector<double> tolerances{1e-3, 1e-6, 1e-9};
   int dimension = 2;
   bool steps_only = false;
-  Settling way{.by = "nncg", .fall = 0.3, .h = 1e-3, .tolerance = kSettling, .time_limit = 5};
+  std::string poured;
+  std::vector<int> heights;
+  Pour pouring;
+  Settling way{
+      .by = "nncg", .fall = 0.3, .h = 1e-3, .tolerance = kSettling, .time_limit = 5, .counted = 20, .threads = {1}};
   app.add_option("--dimension", dimension, "2: discs in a trough, 3: spheres in a well")
       ->check(CLI::IsMember({2, 3}))
       ->capture_default_str();
+  app.add_option("--pour", poured, "in space, into a box of the ground's shapes: these bodies (core/scenes/spheres.h)")
+      ->check(CLI::IsMember(std::vector<std::string>(Pour::kBodiesNames.begin(), Pour::kBodiesNames.end())));
+  app.add_option("--apart", pouring.apart, "places of --pour, in diameters")
+      ->check(between(1.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--spread", pouring.spread, "of the sizes of --pour")->check(between(0.0, 0.5))->capture_default_str();
+  app.add_option("--columns", heights, "the other table: of columns of so many spheres")->check(CLI::Range(1, 100000));
   app.add_option("--sizes", sizes, "numbers of bodies")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--solvers", specs, "without a tolerance")->capture_default_str();
   app.add_flag("--steps-only", steps_only, "without the second table");
@@ -139,12 +244,27 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--fall", way.fall, "time to settle [s]")->check(between(1e-3, 1e3))->capture_default_str();
   app.add_option("--step", way.h, "[s]")->check(between(1e-6, 1e-1))->capture_default_str();
+  app.add_option("--counted", way.counted, "last steps that count")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--threads", way.threads, "inside the solver, by turns; of pgs, psor, sgs, nncg in space")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   app.add_option("--time-limit", way.time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
   if (const auto end = parse(app, argc, argv)) return *end;
-  for (const std::string& spec : specs) Timed(spec, kSettling);
-  Timed(way.by, kSettling);  // an unknown one is refused before the table
+  const Kind kind = !poured.empty() ? Kind::pour : dimension == 3 ? Kind::spheres : Kind::discs;
+  if (!steps_only)
+    for (const std::string& spec : specs) make_solver(with(spec, kSettling));
+  for (const int threads : way.threads)
+    make_solver(with(way.by, kSettling, threads));  // an unknown one is refused before the table
+  for (std::size_t i = 0; i < Pour::kBodiesNames.size(); ++i)
+    if (poured == Pour::kBodiesNames[i]) pouring.bodies = static_cast<Pour::Bodies>(i);
 
-  const std::string bodies = dimension == 2 ? "discs" : "spheres";
+  if (!heights.empty()) {
+    columns(heights, specs, tolerances.front(), way);
+    return 0;
+  }
+  const std::string bodies = kind == Kind::pour ? poured : kind == Kind::discs ? "discs" : "spheres";
   std::ostringstream solves;
   solves << "| " << bodies << " | rows | residual |";
   for (const std::string& spec : specs) solves << " `" << spec << "`, ms |";
@@ -152,26 +272,33 @@ int main(int argc, char** argv) try {
   for (std::size_t i = 0; i < specs.size(); ++i) solves << "---|";
   solves << '\n' << std::setprecision(3);
   std::cout << "| " << bodies
-            << " | contacts | rows | without the solver, µs a body | the solver, µs a body | both, µs a contact "
-               "| memory, kB a body | residual | overlap, mm |\n"
-               "|---|---|---|---|---|---|---|---|---|\n"
-            << std::setprecision(3);
+            << " | contacts | sweeps | a step, µs a contact | B a body | B a contact | peak, MB | residual, g h "
+               "| overlap, mm |";
+  for (const int threads : way.threads) std::cout << " wall in " << threads << ", ms a step |";
+  std::cout << "\n|---|---|---|---|---|---|---|---|---|";
+  for (std::size_t i = 0; i < way.threads.size(); ++i) std::cout << "---|";
+  std::cout << '\n' << std::setprecision(3);
+  std::vector<double> contacts, seconds, sweeps, memory;
   for (const int count : sizes) {
     Cost cost;
+    pouring.count = count;
     try {
-      cost = settled(dimension, count, way);
+      cost = kind == Kind::pour      ? settled<SystemOf<Spatial>>(pour(pouring), pouring.g, way, !steps_only)
+             : kind == Kind::spheres ? settled<SystemOf<Spatial>>(spheres({.count = count}), kGravity, way, !steps_only)
+                                     : settled<System>(pile({.discs = count}), kGravity, way, !steps_only);
     } catch (const std::runtime_error& error) {
       std::cerr << "pile_scaling: " << count << ' ' << bodies << ", " << error.what() << '\n';
       return 3;
     }
-    const double each = 1e6 / count;
-    const auto contacts = static_cast<double>(cost.problem.friction.size());
-    std::cout << "| " << count << " | " << contacts << " | " << cost.problem.size() << " | " << each * cost.outside
-              << " | " << each * cost.inside << " | "
-              << (contacts > 0 ? 1e6 * (cost.outside + cost.inside) / contacts : 0) << " | "
-              << 1e-3 * peak_memory() / count << " | " << cost.residual << " | " << 1e3 * cost.penetration << " |"
-              << std::endl;
-    if (steps_only || contacts == 0) continue;
+    contacts.push_back(cost.contacts), seconds.push_back(cost.seconds), sweeps.push_back(cost.iterations);
+    memory.push_back(cost.body_bytes * count + cost.contact_bytes * cost.contacts);
+    std::cout << "| " << count << " | " << std::lround(cost.contacts) << " | " << cost.iterations << " | "
+              << (cost.contacts > 0 ? 1e6 * cost.seconds / cost.contacts : 0) << " | " << std::lround(cost.body_bytes)
+              << " | " << std::lround(cost.contact_bytes) << " | " << std::lround(1e-6 * peak_memory()) << " | "
+              << cost.residual << " | " << 1e3 * cost.penetration << " |";
+    for (const double wall : cost.wall) std::cout << ' ' << 1e3 * wall << " |";
+    std::cout << std::endl;
+    if (steps_only || cost.contacts == 0) continue;
     for (const double tolerance : tolerances) {
       solves << "| " << count << " | " << cost.problem.size() << " | " << tolerance << " |";
       for (const std::string& spec : specs)
@@ -179,6 +306,9 @@ int main(int argc, char** argv) try {
       solves << '\n';
     }
   }
+  if (sizes.size() > 1)
+    std::cout << "\nSlopes over the number of contacts: time " << slope(contacts, seconds) << ", sweeps "
+              << slope(contacts, sweeps) << ", memory " << slope(contacts, memory) << '\n';
   if (!steps_only) std::cout << '\n' << solves.str();
 } catch (const std::exception& error) {  // an unknown solver or option
   std::cerr << "pile_scaling: " << error.what() << '\n';

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kTie = 1e-9;  // of the fastest approach: as fast
 constexpr int kMostInTurn = 1000;
-constexpr double kLeft = 1e-10;                 // of the first approach: the rest of an infinite sequence
+constexpr int kTakenAtOnce = 50000;  // contacts up to which memory is taken now, whether a law needs it or not
+constexpr double kLeft = 1e-10;      // of the first approach: the rest of an infinite sequence
 constexpr double kRateRounding = 16 * 0x1p-53;  // of the terms of a rate
 
 /// Σ |J_k v_k| of one row.
@@ -31,7 +32,7 @@ template <class Space> ImpactOf<Space>::ImpactOf(const System& system, Form form
       impacts_(system.scene().impacts),
       form_(form),
       formulation_(system, form),
-      sum_(static_cast<std::size_t>(system.contacts())),
+      sum_(has_law() || system.contacts() <= kTakenAtOnce ? static_cast<std::size_t>(system.contacts()) : 0),
       one_(sum_),
       v_(system.dof()),
       rate_(system.joint_rows()),
@@ -101,7 +102,8 @@ template <class Space> bool ImpactOf<Space>::one_by_one(const Terms& terms, cons
 }
 
 template <class Space> void ImpactOf<Space>::begin(const Terms& terms, const Eigen::VectorXd& v) {
-  std::fill(sum_.begin(), sum_.end(), Impulse{});
+  sum_.assign(static_cast<std::size_t>(system_.contacts()), Impulse{});
+  one_.resize(sum_.size());
   joint_sum_.setZero();
   v_ = v;
   struck_.pairs = terms.pairs;

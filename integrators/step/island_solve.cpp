@@ -6,7 +6,9 @@
 namespace orthant {
 namespace {
 
-constexpr Index kShared = 100;  // rows beyond the largest island's, from which on threads gain
+constexpr Index kShared = 100;      // rows beyond the largest island's, from which on threads gain
+constexpr Index kWhole = 3000;      // rows of an island from which on its copy costs memory that counts
+constexpr Index kTakenNow = 50000;  // rows up to which a step allocates nothing, however many contacts close
 
 /// A coarse answer is no motion, unless its error is as slow as a contact at rest.
 void leave_coarse(Solution& s, double unit) {
@@ -19,6 +21,7 @@ template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>
     : islands_(system), unit_(system.length_unit()) {
   const Index most = problem.most_rows();
   add_bench(problem);
+  if (most > kTakenNow) return;
   outcomes_.reserve(static_cast<std::size_t>(most));
   for (Vector* each : {&found_.z, &found_.w}) each->resize(most);
 }
@@ -26,7 +29,7 @@ template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>
 template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, StepReport& report,
                                                         SolverPool* pool, Solution& s) {
   const int count = islands_.count();
-  if (count == 1) {
+  if (count == 1 || one_holds_most(problem)) {
     solver.solve(problem.whole(), s, Start::warm);
     if (refines_) benches_[0].refinement.improve(problem.whole(), s);
     leave_coarse(s, unit_);
@@ -72,13 +75,22 @@ template <class Space> bool IslandSolveOf<Space>::take(int island, StepReport& r
   return true;
 }
 
+/// In space a pile with some loose bodies is solved as a whole: a copy of it would take as much memory as the problem.
+template <class Space> bool IslandSolveOf<Space>::one_holds_most(const StepProblem& problem) const {
+  if (kPlanar<Space> || problem.dense() || problem.size() < kWhole) return false;
+  return 2 * largest() >= problem.size();
+}
+
+template <class Space> Index IslandSolveOf<Space>::largest() const {
+  Index most = 0;
+  for (int island = 0; island < islands_.count(); ++island) most = std::max(most, std::ssize(islands_.rows(island)));
+  return most;
+}
+
 template <class Space>
 bool IslandSolveOf<Space>::worth_sharing(const StepProblem& problem, const SolverPool* pool) const {
   if (pool == nullptr || pool->size() == 1) return false;
-  Index largest = 0;
-  for (int island = 0; island < islands_.count(); ++island)
-    largest = std::max(largest, std::ssize(islands_.rows(island)));
-  return problem.size() - largest >= kShared;
+  return problem.size() - largest() >= kShared;
 }
 
 /// Writes only what belongs to this island.

@@ -39,6 +39,8 @@ template <class Space> class IslandSolveOf {
     int iterations = 0;
     Vector certificate, ray;
   };
+  bool one_holds_most(const StepProblem& problem) const;
+  Index largest() const;  // rows of the largest island
   bool worth_sharing(const StepProblem& problem, const SolverPool* pool) const;
   void add_bench(const StepProblem& problem) { problem.prepare(benches_.emplace_back().block); }
   void solve_island(const StepProblem& problem, int island, Solver& solver, const Vector& guess, Bench& bench);

@@ -1,9 +1,15 @@
 #include <orthant/integrators/step/islands.h>
+#include <orthant/integrators/step/row_list.h>
 
 #include <algorithm>
 #include <numeric>
 
 namespace orthant {
+namespace {
+
+constexpr std::size_t kReserved = 50000;  // rows up to which a step allocates nothing, however many contacts close
+
+}  // namespace
 
 template <class Space> Islands::Islands(const SystemOf<Space>& system)
     : fixed_(system.assembly()), sets_(fixed_.size()), block_(fixed_.size()) {
@@ -11,22 +17,23 @@ template <class Space> Islands::Islands(const SystemOf<Space>& system)
   whole_ = std::ranges::count(fixed_, fixed_.empty() ? 0 : fixed_[0]) == std::ssize(fixed_);
   const auto most = static_cast<std::size_t>((1 + Space::kTangents) * system.contacts() + system.joint_rows()) +
                     system.scene().frictions.size();
+  if (most > kReserved) return;
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
 }
 
-template <class Row> void Islands::sort(const std::vector<Row>& rows) {
+template <class Rows> void Islands::sort(const Rows& rows) {
   if (whole_ && !rows.empty()) {
     row_.resize(rows.size()), start_.assign({0, rows.size()});
     std::iota(row_.begin(), row_.end(), 0);
     return;
   }
   sets_.assign(fixed_);
-  for (const Row& row : rows)
-    if (row.a >= 0 && row.b >= 0) sets_.join(row.a, row.b);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].a >= 0 && rows[i].b >= 0) sets_.join(rows[i].a, rows[i].b);
   std::fill(block_.begin(), block_.end(), -1);
   of_row_.clear(), row_.resize(rows.size()), start_.assign(1, 0);
-  for (const Row& row : rows) {
-    int& block = block_[static_cast<std::size_t>(sets_.find(row.a >= 0 ? row.a : row.b))];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    int& block = block_[static_cast<std::size_t>(sets_.find(rows[i].a >= 0 ? rows[i].a : rows[i].b))];
     if (block < 0) block = count(), start_.push_back(0);
     of_row_.push_back(block);
     ++start_[static_cast<std::size_t>(block) + 1];
@@ -42,5 +49,7 @@ template Islands::Islands(const SystemOf<Planar>&);
 template Islands::Islands(const SystemOf<Spatial>&);
 template void Islands::sort(const std::vector<RowOf<Planar>>&);
 template void Islands::sort(const std::vector<RowOf<Spatial>>&);
+template void Islands::sort(const RowList<RowOf<Planar>>&);
+template void Islands::sort(const RowList<RowOf<Spatial>>&);
 
 }  // namespace orthant

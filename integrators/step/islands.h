@@ -18,7 +18,7 @@ class Islands {
   template <class Space> explicit Islands(const SystemOf<Space>& system);
 
   /// Sorts the rows of a problem into blocks, in the order of their first rows.
-  template <class Row> void sort(const std::vector<Row>& rows);
+  template <class Rows> void sort(const Rows& rows);
 
   int count() const { return static_cast<int>(start_.size()) - 1; }  // blocks of the last sort()
   /// Its rows, ascending.

@@ -18,7 +18,7 @@ template <class Space> SleepOf<Space>::SleepOf(const System& system, const Sleep
       island_(static_cast<std::size_t>(system.bodies())),
       rest_(island_.size()),
       least_(island_.size()),
-      force_(static_cast<std::size_t>(system.contacts())),
+      force_(on() ? static_cast<std::size_t>(system.contacts()) : 0),
       f_(system.dof()),
       v_free_(system.dof()) {
   rows_.reserve(force_.size());

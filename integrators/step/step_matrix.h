@@ -6,6 +6,7 @@
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/dynamics/basic_system.h>
+#include <orthant/integrators/step/row_list.h>
 
 #include <span>
 #include <vector>
@@ -23,19 +24,22 @@ template <class Space> class StepMatrixOf {
   /// little.
   StepMatrixOf(const SystemOf<Space>& system, bool diagonal, Index most, Matrix& A);
 
-  void respond(const BasicSystem& basic, const std::vector<Row>& rows);  // B Jᵀ
+  void respond(const BasicSystem& basic, const RowList<Row>& rows);  // B Jᵀ
   bool dense() const { return dense_; }
-  double entry(const std::vector<Row>& rows, Index i, Index j) const;  // A_ij
+  double entry(const RowList<Row>& rows, Index i, Index j) const;  // A_ij
 
   void prepare(Matrix& A) const { A.emplace<Delassus>().inverse_mass = inverse_mass_; }
-  void fill(const std::vector<Row>& rows, Matrix& A) const;
-  /// The block of some of the rows, by number, in the storage that A has; `scratch` keeps the rows of an operator.
-  void cut(const std::vector<Row>& rows, std::span<const int> numbers, std::vector<Row>& scratch, Matrix& A) const;
+  void fill(const RowList<Row>& rows, Matrix& A) const;
+  /// The block of some of the rows, by number, in the storage that A has. An operator has the columns of the bodies in
+  /// these rows alone, in their order; `scratch` keeps its places. O(entries of the block).
+  void cut(const RowList<Row>& rows, std::span<const int> numbers, std::vector<int>& scratch, Matrix& A) const;
 
   /// v += B Jᵀ z
-  void add_response(const std::vector<Row>& rows, const Vector& z, Eigen::VectorXd& v) const;
+  void add_response(const RowList<Row>& rows, const Vector& z, Eigen::VectorXd& v) const;
 
  private:
+  void cut_operator(const RowList<Row>& rows, std::span<const int> numbers, std::vector<int>& place, Delassus& A) const;
+
   bool dense_;
   DenseMatrix columns_;           // dof × n: B Jᵀ, dense storage only
   Eigen::VectorXd inverse_mass_;  // of the operator

@@ -7,6 +7,8 @@
 namespace orthant {
 namespace {
 
+constexpr Index kLittle = 50000;  // rows: some MB
+
 /// A journal whose centre is the bearing's has no normal and its whole clearance: it cannot touch there.
 bool centred_journal(const Scene& scene, int contact) {
   const auto c = static_cast<std::size_t>(contact);
@@ -77,6 +79,7 @@ template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system,
               lcp_.A) {
   const auto contacts = static_cast<std::size_t>(system.contacts());
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
+  if (most_ > kLittle) return;
   rows_.reserve(static_cast<std::size_t>(most_));
   contacts_.reserve(contacts);
   lcp_.friction.reserve(contacts);
@@ -106,9 +109,12 @@ template <class Space> const Lcp& StepProblemOf<Space>::whole() const {
 template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, const std::vector<RateTarget>& targets,
                                                           std::span<const Held> held_ones) {
   const auto held = [&](std::size_t k) { return k < held_ones.size() ? held_ones[k] : Held::nowhere; };
-  rows_.clear(), contacts_.clear();
+  rows_.begin(!matrix_.dense() && cone_ == Cone::coulomb && held_ones.empty() && targets.size() >= kReferred);
+  contacts_.clear();
+  if (places_.size() < targets.size()) places_.resize(targets.size());
   lcp_.friction.clear();
-  if (form_ == Form::full) rows_.insert(rows_.end(), terms.G.begin(), terms.G.end());
+  if (form_ == Form::full)
+    for (const Row& row : terms.G) rows_.keep(row);  // the projection changes G before the step ends
   no_normal_ = -1, collected_ = targets.size(), formed_ = false;
   const auto joints = static_cast<Index>(rows_.size());
   [[maybe_unused]] Eigen::VectorXd begun;
@@ -126,8 +132,11 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
     const bool edges = cone_ == Cone::relaxed && mu > 0;
     places_[k].normal = static_cast<Index>(rows_.size());
     if constexpr (kPlanar<Space>) {
-      rows_.push_back(edges ? combined(c.rows.normal, mu, c.rows.tangent) : c.rows.normal);
-      if (edges) rows_.push_back(combined(c.rows.normal, -mu, c.rows.tangent));
+      if (edges)
+        rows_.keep(combined(c.rows.normal, mu, c.rows.tangent)),
+            rows_.keep(combined(c.rows.normal, -mu, c.rows.tangent));
+      else
+        rows_.add(c.rows.normal);
     } else if (edges) {
       Contact& contact = contacts_.back();
       Tangents slip = targets[k].free_slip;
@@ -138,12 +147,13 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
       contact.along = direction_of_slip(slip);
       for (Index j = 0; j < kEdges; ++j) {
         const auto [one, other] = edge_of(mu, contact.along, j, kEdges);
-        rows_.push_back(combined(combined(c.rows.normal, one, c.rows.tangents[0]), other, c.rows.tangents[1]));
+        rows_.keep(combined(combined(c.rows.normal, one, c.rows.tangents[0]), other, c.rows.tangents[1]));
       }
     } else {
-      rows_.push_back(c.rows.normal);
+      rows_.add(c.rows.normal);
     }
-    if (held(k) == Held::inwards) contacts_.back().jammed = &c.rows.normal, rows_.back() = blank(rows_.back());
+    if (held(k) == Held::inwards)
+      contacts_.back().jammed = &c.rows.normal, rows_.last_kept() = blank(rows_.last_kept());
   }
   const auto unilateral = static_cast<Index>(rows_.size()) - joints;
   if (cone_ == Cone::coulomb)
@@ -152,14 +162,14 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
       Place& place = places_[c.closed];
       place.tangent = static_cast<Index>(rows_.size());
       lcp_.friction.push_back({.normal = place.normal, .first = place.tangent, .rows = Space::kTangents, .mu = c.mu});
-      for (std::size_t i = 0; i < Space::kTangents; ++i)
-        rows_.push_back(row_of_tangent(terms.closed[c.closed].rows, i));
+      for (std::size_t i = 0; i < Space::kTangents; ++i) rows_.add(row_of_tangent(terms.closed[c.closed].rows, i));
     }
   turning_ = static_cast<Index>(rows_.size());
   if constexpr (!kPlanar<Space>) add_turning(terms);
   resisted_ = static_cast<Index>(rows_.size());
   if (duration_ > 0)
-    for (const auto& f : system_.scene().frictions) rows_.push_back(f.of.row(terms.at));
+    for (const auto& f : system_.scene().frictions) rows_.keep(f.of.row(terms.at));
+  rows_.end();
   const auto n = static_cast<Index>(rows_.size());
   lcp_.lo.resize(n), lcp_.hi.resize(n);
   lcp_.lo.setConstant(-kInf), lcp_.hi.setConstant(kInf);
@@ -182,7 +192,7 @@ template <class Space> void StepProblemOf<Space>::add_turning([[maybe_unused]] c
       const Vector3d n = spatial::direction_of(normal), t = spatial::perpendicular(n);
       const Vector3d turn = terms.at.at(normal.b).turn(law.omega);
       const auto add = [&](const Vector3d& axis) {
-        rows_.push_back(spatial::turn_row(terms.at, normal.a, normal.b, axis));
+        rows_.keep(spatial::turn_row(terms.at, normal.a, normal.b, axis));
         turn_targets_.push_back(turn.dot(axis));
       };
       const Index at = places_[c.closed].normal;
@@ -303,7 +313,7 @@ template <class Space> const Lcp& StepProblemOf<Space>::cut(std::span<const int>
       part.friction.push_back(
           {.normal = block.place[static_cast<std::size_t>(f->normal)], .first = i, .rows = f->rows, .mu = f->mu});
   }
-  matrix_.cut(rows_, rows, block.rows, part.A);
+  matrix_.cut(rows_, rows, block.columns, part.A);
   return part;
 }
 

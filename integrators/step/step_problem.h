@@ -9,6 +9,7 @@
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/integrator.h>
 #include <orthant/integrators/step/rate_targets.h>
+#include <orthant/integrators/step/row_list.h>
 #include <orthant/integrators/step/step_matrix.h>
 
 #include <array>
@@ -52,9 +53,9 @@ template <class Space> class StepProblemOf {
   };
   /// Matrix and vectors of some of the rows; one worker's.
   struct Block {
-    Lcp small, large;  // dense; an operator, where the whole problem has one
-    std::vector<Row> rows;
-    std::vector<int> place;  // of a row of the whole problem
+    Lcp small, large;          // dense; an operator, where the whole problem has one
+    std::vector<int> columns;  // scratch of large
+    std::vector<int> place;    // of a row of the whole problem
   };
 
   StepProblemOf(const System& system, Form form, Cone cone);
@@ -87,7 +88,7 @@ template <class Space> class StepProblemOf {
   Cone cone() const { return cone_; }
   Index joint_rows() const { return form_ == Form::full ? system_.joint_rows() : 0; }  // that come first
   Index friction_row(std::size_t friction) const { return resisted_ + static_cast<Index>(friction); }
-  const std::vector<Row>& rows() const { return rows_; }
+  const RowList<Row>& rows() const { return rows_; }
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const Vector& b() const { return lcp_.b; }
@@ -109,6 +110,7 @@ template <class Space> class StepProblemOf {
       i += edges ? kEdges : 1;
     }
   }
+  static constexpr std::size_t kReferred = 1000;  // closed contacts from which on rows refer to the terms
   /// Of a contact with friction, relaxed: opposite ones kEdges / 2 places apart.
   static constexpr Index kEdges = kPlanar<Space> ? 2 : 8;
   bool has_edges(const Contact& c) const { return cone_ == Cone::relaxed && c.mu > 0; }
@@ -134,7 +136,7 @@ template <class Space> class StepProblemOf {
   Index most_;
   double duration_ = 0;
   const std::vector<double>* loads_ = nullptr;
-  std::vector<Row> rows_;  // J
+  RowList<Row> rows_;  // J
   std::vector<Contact> contacts_;
   std::vector<Place> places_;  // of the first collected_ closed contacts
   std::size_t collected_ = 0;

@@ -5,19 +5,35 @@
 
 namespace orthant {
 
-bool ConeForm::load(const Lcp& p) {
-  const Index n = p.size();
+/// Blocks, their rows and units. True: the rows stand as in the problem.
+bool ConeForm::order(const Lcp& p) {
   all_.load(p);
   all_.scale(p.A, d_);
   all_.apply(d_);
   row_.clear(), of_.clear();
-  place_.resize(at(n));
   bool in_order = true;
   for (int c = 0; c < all_.size(); ++c)
     for (const int row : all_.rows(all_[c])) {
       in_order = in_order && row == static_cast<int>(row_.size());
-      place_[at(row)] = static_cast<int>(row_.size()), row_.push_back(row), of_.push_back(c);
+      row_.push_back(row), of_.push_back(c);
     }
+  return in_order;
+}
+
+void ConeForm::load_unformed(const Lcp& p) {
+  order(p);
+  operand_ = &std::get<Delassus>(p.A);
+  q.resize(p.size());
+  for (Index i = 0; i < p.size(); ++i) q[i] = d_[row_[at(i)]] * p.b[row_[at(i)]];
+  norm_q = q.norm();
+}
+
+bool ConeForm::load(const Lcp& p) {
+  const Index n = p.size();
+  const bool in_order = order(p);
+  operand_ = nullptr;
+  place_.resize(at(n));
+  for (Index i = 0; i < n; ++i) place_[at(row_[at(i)])] = static_cast<int>(i);
   const RowSparse* const rows = rows_of(p.A, formed_, kFormed);
   if (rows == nullptr) return false;
   A.rows = A.cols = n;
@@ -54,6 +70,18 @@ double ConeForm::residual(const Vector& z, const Vector& w) const {
 
 void ConeForm::apply(const Vector& z, Vector& w) const {
   w.resize(size());
+  if (operand_ != nullptr) {
+    from_scaled(z, unscaled_);
+    const auto& [W, inverse_mass, regularization] = *operand_;
+    inner_.resize(W.cols);
+    inner_.noalias() = W.view().transpose() * unscaled_;
+    inner_.array() *= inverse_mass.array();
+    product_.resize(size());
+    product_.noalias() = W.view() * inner_;
+    if (regularization.size() != 0) product_.array() += regularization.array() * unscaled_.array();
+    for (Index i = 0; i < size(); ++i) w[i] = d_[row_[at(i)]] * product_[row_[at(i)]] + q[i];
+    return;
+  }
   w.noalias() = A.view() * z;
   w += q;
 }

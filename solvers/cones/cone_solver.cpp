@@ -12,7 +12,7 @@ std::string ConeSolver::why_not(const Lcp& p) const {
     if ((rows[at(f.normal)] += static_cast<int>(f.rows)) > cones::kMostRows)
       return "row " + std::to_string(f.normal) + " bears more than " + std::to_string(cones::kMostRows - 1) +
              " friction rows";
-  if (const auto* delassus = std::get_if<Delassus>(&p.A)) {
+  if (const auto* delassus = std::get_if<Delassus>(&p.A); delassus != nullptr && !takes_operators()) {
     std::vector<double> uses(at(delassus->W.cols), 0);
     for (const int column : delassus->W.column) ++uses[at(column)];
     double products = 0;
@@ -24,7 +24,11 @@ std::string ConeSolver::why_not(const Lcp& p) const {
 
 bool ConeSolver::finished(const Vector& z) {
   form_.apply(z, w_);
-  sf_ = form_.residual(z, w_);
+  return finished(z, form_.residual(z, w_));
+}
+
+bool ConeSolver::finished(const Vector& z, double residual) {
+  sf_ = residual;
   if (sf_ < least_) least_ = sf_, best_ = z;
   if (sf_ <= target_) {
     form_.from_scaled(z, solution_->z);
@@ -38,7 +42,11 @@ Claim ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
   problem_ = &problem, solution_ = &s;
   solved_ = false, least_ = kInf;
   if (problem.size() == 0) return Claim::candidate;
-  if (!form_.load(problem)) return Claim::unsupported;
+  const bool unformed = takes_operators() && problem.size() >= kUnformed && std::holds_alternative<Delassus>(problem.A);
+  if (unformed)
+    form_.load_unformed(problem);
+  else if (!form_.load(problem))
+    return Claim::unsupported;
   form_.to_scaled(s.z, z_);
   if (start == Start::cold) z_.setZero();
   best_ = z_;

@@ -3,7 +3,8 @@
 //   They work on the scaled form (cone_form.h) and stop by its scale-free residual
 //     sf = ‖z' − P_K(z' − û')‖ / ‖q'‖
 //   at half the tolerance. The judge (certify_cones.h) then decides contact by contact. If it does not accept z, the
-//   target becomes half the residual of that z: a power of ten less may be below rounding. They take intervals, boxes
+//   target becomes half the residual of that z: a power of ten less may be below rounding. Methods that sweep leave
+//   operators of kUnformed rows and more unformed (operator_sweeps.h). They take intervals, boxes
 //   and free rows as well, so planar contact problems and LCPs are special cases.
 #pragma once
 
@@ -16,14 +17,20 @@ class ConeSolver : public Solver {
  public:
   std::string why_not(const Lcp& problem) const override;
 
+  static constexpr Index kUnformed = 3000;  // rows
+
  protected:
   bool takes_discs() const final { return true; }
   const ConeForm& form() const { return form_; }
   /// The method itself, in scaled numbers; z is the start on entry. It ends when finished() says so or its own limits
   /// are reached.
   virtual Claim iterate(Vector& z, int& iterations) = 0;
+  /// The method can do without the entries of A: operators of many rows stay unformed.
+  virtual bool takes_operators() const { return false; }
   /// The end: z solves the problem, or time is over. Fills residual().
   bool finished(const Vector& z);
+  /// The same of a z whose residual is known.
+  bool finished(const Vector& z, double residual);
   bool solved() const { return solved_; }
   /// Another end: a proof that there is no solution.
   bool proved() { return proves_infeasible(*problem_, *solution_); }

@@ -11,6 +11,7 @@
 #include <orthant/solvers/cones/newton_ac.h>
 #include <orthant/solvers/first_order/admm.h>
 #include <orthant/solvers/first_order/apgd.h>
+#include <orthant/solvers/first_order/nncg.h>
 #include <orthant/solvers/first_order/pgs.h>
 #include <orthant/solvers/first_order/psor.h>
 #include <orthant/solvers/first_order/sgs.h>
@@ -18,19 +19,31 @@
 namespace orthant {
 
 std::unique_ptr<Solver> Pgs::for_discs() const {
-  return std::make_unique<ConePgs>(
-      ConePgs::Options{.tolerance = options_.tolerance, .omega = options_.omega, .max_sweeps = options_.max_sweeps});
+  return std::make_unique<ConePgs>(ConePgs::Options{.tolerance = options_.tolerance,
+                                                    .omega = options_.omega,
+                                                    .max_sweeps = options_.max_sweeps,
+                                                    .threads = options_.threads});
+}
+
+std::unique_ptr<Solver> Nncg::for_discs() const {
+  return std::make_unique<ConePgs>(ConePgs::Options{.tolerance = options_.tolerance,
+                                                    .max_sweeps = options_.max_sweeps,
+                                                    .conjugate = true,
+                                                    .threads = options_.threads});
 }
 
 std::unique_ptr<Solver> Psor::for_discs() const {
   return std::make_unique<ConePgs>(ConePgs::Options{.tolerance = options_.tolerance,
                                                     .omega = options_.omega == 0 ? 1.4 : options_.omega,
-                                                    .max_sweeps = options_.max_sweeps});
+                                                    .max_sweeps = options_.max_sweeps,
+                                                    .threads = options_.threads});
 }
 
 std::unique_ptr<Solver> Sgs::for_discs() const {
-  return std::make_unique<ConePgs>(
-      ConePgs::Options{.tolerance = options_.tolerance, .max_sweeps = options_.max_sweeps, .symmetric = true});
+  return std::make_unique<ConePgs>(ConePgs::Options{.tolerance = options_.tolerance,
+                                                    .max_sweeps = options_.max_sweeps,
+                                                    .symmetric = true,
+                                                    .threads = options_.threads});
 }
 
 std::unique_ptr<Solver> Admm::for_discs() const {

@@ -5,7 +5,7 @@
 //     β = ‖r_k‖² / ‖r_{k−1}‖²;   β > 1: p = r_k (restart), else  z_k+1 = G(z_k) + β p,  p ← β p + r_k
 //   and the next sweep brings every row back within its bounds. Norms in the metric of the diagonal of A. An iteration
 //   is a sweep and O(n), since the state of a sweep follows z along p linearly: dense, sparse and Delassus storage
-//   alike.
+//   alike. On friction discs G is a sweep of cone_sweeps.h, in its scaled numbers.
 //   Superlinear in practice until the active set is found, no proof; the violation is not monotone. Bounds, friction
 //   and ends as pgs.h; the z that is judged is one that a sweep has just left.
 //   Source: Silcowitz-Hansen, Niebe & Erleben, The Visual Computer 26 (2010) 893-901.
@@ -18,8 +18,9 @@ namespace orthant {
 struct NncgOptions {
   double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   int max_sweeps = 100000;
+  int threads = 1;  // of sweeps over many friction discs (cones/operator_sweeps.h); no result depends on it
   template <class V> void visit(V&& v) {
-    v("tolerance", tolerance, 0.0, 1.0), v("max_sweeps", max_sweeps, 1, 1000000000);
+    v("tolerance", tolerance, 0.0, 1.0), v("max_sweeps", max_sweeps, 1, 1000000000), v("threads", threads, 1, 1024);
   }
 };
 
@@ -33,6 +34,7 @@ class Nncg final : public SweepSolver {
   Step advance(const Lcp& problem, Vector& z) override;
   int max_iterations() const override { return options_.max_sweeps; }
   double tolerance() const override { return options_.tolerance; }
+  std::unique_ptr<Solver> for_discs() const override;  // cones/disc_forms.cpp
 
   Options options_;
   Vector p_, p_state_, r_, r_state_;  // directions, and what they do to the state of the sweeps

@@ -20,8 +20,10 @@ struct PgsOptions {
   double tolerance = 1e-10;  // accepted residual relative to the problem's scale, as certify() measures it
   int max_sweeps = 100000;
   double omega = 1.0;  // relaxation ω
+  int threads = 1;     // of sweeps over many friction discs (cones/operator_sweeps.h); no result depends on it
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_sweeps", max_sweeps, 1, 1000000000), v("omega", omega, 1e-3, 1.999);
+    v("threads", threads, 1, 1024);
   }
 };
 

@@ -20,9 +20,10 @@ struct PsorOptions {
   int max_sweeps = 100000;
   bool stop_early = false;  // as soon as max_sweeps would not do (first_order.h)
   double omega = 0;         // relaxation ω; 0: found while running
+  int threads = 1;          // of sweeps over many friction discs (cones/operator_sweeps.h); no result depends on it
   template <class V> void visit(V&& v) {
     v("tolerance", tolerance, 0.0, 1.0), v("max_sweeps", max_sweeps, 1, 1000000000), v("stop_early", stop_early),
-        v("omega", omega, 0.0, 1.9999);
+        v("omega", omega, 0.0, 1.9999), v("threads", threads, 1, 1024);
   }
 };
 

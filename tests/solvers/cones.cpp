@@ -257,8 +257,9 @@ TEST_CASE("cones: iterations allocate nothing: twice as many of them cost no all
     CHECK(s.iterations > 0);
     return AllocationCount::now() - before;
   };
-  for (const char* spec : {"pgs:max_sweeps", "psor:max_sweeps", "sgs:max_sweeps", "admm:max_iterations",
-                           "apgd:max_iterations", "prox:max_outer", "newton-ac:max_steps", "newton-min:max_iterations"})
+  for (const char* spec :
+       {"pgs:max_sweeps", "psor:max_sweeps", "sgs:max_sweeps", "nncg:max_sweeps", "admm:max_iterations",
+        "apgd:max_iterations", "prox:max_outer", "newton-ac:max_steps", "newton-min:max_iterations"})
     for (const Lcp& p : problems) {
       if (std::string_view(spec).starts_with("apgd") && &p == &problems[2]) continue;  // symmetric ones only
       // One contact with two discs: Eigen's LU of a size known at run time.

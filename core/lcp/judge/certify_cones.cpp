@@ -31,6 +31,32 @@ void cone_product(const Matrix& A, const std::vector<Number>& x, std::vector<Num
   for (Index i = 0; i < regularization.size(); ++i) y[at(i)] += regularization[i] * x[at(i)];
 }
 
+/// A z, |A||z| and |A| d of an operator, in two passes over its entries: as cone_product() has them.
+template <class Use> void operator_products(const Delassus& A, const double* z, const double* d, const Use& use) {
+  const auto& [W, inverse_mass, regularization] = A;
+  std::vector<ConeLong> inner(at(W.cols), 0);
+  std::vector<double> size(at(W.cols), 0), scale(at(W.cols), 0);
+  for (Index i = 0; i < W.rows; ++i)
+    W.for_each_in_row(i, [&](Index k, double w) {
+      inner[at(k)] += w * static_cast<ConeLong>(z[i]);
+      size[at(k)] += std::abs(w) * std::abs(z[i]), scale[at(k)] += std::abs(w) * d[i];
+    });
+  for (Index k = 0; k < W.cols; ++k)
+    inner[at(k)] *= inverse_mass[k], size[at(k)] *= inverse_mass[k], scale[at(k)] *= inverse_mass[k];
+  for (Index i = 0; i < W.rows; ++i) {
+    ConeLong w_i = 0;
+    double terms = 0, unknown = 0;
+    W.for_each_in_row(i, [&](Index k, double w) {
+      w_i += w * inner[at(k)], terms += std::abs(w) * size[at(k)], unknown += std::abs(w) * scale[at(k)];
+    });
+    if (regularization.size() > 0) {
+      w_i += regularization[i] * static_cast<ConeLong>(z[i]);
+      terms += regularization[i] * std::abs(z[i]), unknown += regularization[i] * d[i];
+    }
+    use(i, w_i, terms, unknown);
+  }
+}
+
 double bound_near_zero(double lo, double hi) { return lo > 0 ? lo : hi < 0 ? hi : 0; }
 
 double residual_ratio(double residual, double size) { return residual == 0 ? 0 : residual / size; }
@@ -118,29 +144,27 @@ bool ConeJudge::sum(const Lcp& problem, Solution& s) {
   const Index n = problem.size();
   double largest = 0;
   for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(s.z[i]) / d_[i]);
-  w_.resize(at(n)), terms_.resize(at(n)), unknown_terms_.resize(at(n));
-  for (Index i = 0; i < n; ++i) w_[at(i)] = 0, terms_[at(i)] = unknown_terms_[at(i)] = 0;
+  terms_.resize(at(n)), unknown_terms_.resize(at(n));
   const double* const z = s.z.data();
   const double* const d = d_.data();
-  if (!for_each_entry(problem.A, [&](Index i, Index j, double a) {
-        w_[at(i)] += static_cast<ConeLong>(a) * z[j];
-        terms_[at(i)] += std::abs(a) * std::abs(z[j]), unknown_terms_[at(i)] += std::abs(a) * d[j];
-      })) {
-    const std::vector<ConeLong> x(s.z.begin(), s.z.end());
-    std::vector<double> size(at(n)), scale(d_.begin(), d_.end());
-    for (Index i = 0; i < n; ++i) size[at(i)] = std::abs(z[i]);
-    cone_product<false>(problem.A, x, w_);
-    cone_product<true>(problem.A, size, terms_);
-    cone_product<true>(problem.A, scale, unknown_terms_);
-  }
   double checksum = 0, size_of_w = 0;
-  for (Index i = 0; i < n; ++i) {
+  const auto take = [&](Index i, ConeLong w, double terms, double unknown) {
     const double b = std::abs(problem.b[i]);
-    w_[at(i)] += problem.b[i];
-    s.w[i] = static_cast<double>(w_[at(i)]);
-    terms_[at(i)] += b, unknown_terms_[at(i)] = b + largest * unknown_terms_[at(i)];
+    s.w[i] = static_cast<double>(w + problem.b[i]);
+    terms_[at(i)] = terms + b, unknown_terms_[at(i)] = b + largest * unknown;
     checksum += 0.0 * s.w[i] + 0.0 * z[i] + 0.0 * terms_[at(i)];
     size_of_w = std::max(size_of_w, terms_[at(i)]);
+  };
+  if (const auto* delassus = std::get_if<Delassus>(&problem.A)) {
+    operator_products(*delassus, z, d, take);
+  } else {
+    w_.resize(at(n));
+    for (Index i = 0; i < n; ++i) w_[at(i)] = 0, terms_[at(i)] = unknown_terms_[at(i)] = 0;
+    for_each_entry(problem.A, [&](Index i, Index j, double a) {
+      w_[at(i)] += static_cast<ConeLong>(a) * z[j];
+      terms_[at(i)] += std::abs(a) * std::abs(z[j]), unknown_terms_[at(i)] += std::abs(a) * d[j];
+    });
+    for (Index i = 0; i < n; ++i) take(i, w_[at(i)], terms_[at(i)], unknown_terms_[at(i)]);
   }
   s.residual = kInf, s.rounding = kEpsilon * size_of_w;
   return checksum == 0.0;
@@ -156,7 +180,7 @@ void ConeJudge::find_residuals(Solution& s) {
     double square = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       block_z_[r] = s.z[rows[r]] / d_[rows[r]];
-      block_w_[r] = static_cast<double>(w_[at(rows[r])]) * d_[rows[r]];
+      block_w_[r] = s.w[rows[r]] * d_[rows[r]];
       square += block_z_[r] * block_z_[r];
     }
     e_[at(c)] = blocks_.residual(blocks_[c], block_z_.data(), block_w_.data());
@@ -180,17 +204,20 @@ bool ConeJudge::surely_solved(const Lcp& problem, double tolerance) const {
 /// (2) itself.
 bool ConeJudge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   const Index n = problem.size();
-  std::vector<double> data(at(n)), from_bounds, largest(at(n));
-  bool bounded = false;
-  for (Index i = 0; i < n; ++i) {
+  std::vector<double> from_bounds, largest(at(n));
+  const auto datum = [&](Index i) {
     const double z = s.z[i], lo = problem.lo[i], hi = problem.hi[i];
-    data[at(i)] = std::abs(detail::on_bound(z, lo, hi) ? z : bound_near_zero(lo, hi));
-    bounded = bounded || data[at(i)] > 0;
-  }
-  if (bounded)
+    return std::abs(detail::on_bound(z, lo, hi) ? z : bound_near_zero(lo, hi));
+  };
+  bool bounded = false;
+  for (Index i = 0; i < n && !bounded; ++i) bounded = datum(i) > 0;
+  if (bounded) {
+    std::vector<double> data(at(n));
+    for (Index i = 0; i < n; ++i) data[at(i)] = datum(i);
     cone_product<true>(problem.A, data, from_bounds);
-  else
+  } else {
     from_bounds.assign(at(n), 0);
+  }
   for (Index i = 0; i < n; ++i) from_bounds[at(i)] += std::abs(problem.b[i]);
   couple(problem.A);
   std::vector<double> beta(at(blocks_.size()), 0), most(at(blocks_.size()), 0);

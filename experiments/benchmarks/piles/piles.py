@@ -63,7 +63,7 @@ class Orthant:
                                 str(count), "--by", by, "--by-tolerance", tolerance, "--fall", str(FALL), "--step",
                                 str(STEP)], check=True, capture_output=True, text=True).stdout
         row = [float(cell) for cell in table.strip().splitlines()[-1].strip("| ").split("|")]
-        return (row[3] + row[4]) * 1e-6 * count, int(row[1]), row[8] * 1e-3
+        return row[3] * 1e-6 * row[1], int(row[1]), row[8] * 1e-3
 
     def chain(self, links, setting):
         if setting != next(iter(self.settings)):
