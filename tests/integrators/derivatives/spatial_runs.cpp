@@ -203,7 +203,7 @@ force = [0.2, 1, 0]
 )";
 
 /// A block that strikes, slides and turns on a slope: on all its corners, and on three feet.
-const std::string kSlidingBlock = R"(
+const std::string kSlidingCrate = R"(
 dimension = 3
 gravity = [0, 0, -9.81]
 [[body]]
@@ -309,7 +309,7 @@ TEST_CASE("tangent of a run in space: a block whose corners or feet strike, slid
   for (const bool on_feet : {false, true}) {
     INFO(on_feet);
     const spatial::Scene scene =
-        normalized(kSlidingBlock + (on_feet ? foot("front", "[0.15, 0, -0.1]") + foot("left", "[-0.1, 0.12, -0.1]") +
+        normalized(kSlidingCrate + (on_feet ? foot("front", "[0.15, 0, -0.1]") + foot("left", "[-0.1, 0.12, -0.1]") +
                                                   foot("right", "[-0.1, -0.12, -0.1]")
                                             : kCorners));
     const Clock clock{.step = 1e-3, .duration = on_feet ? 0.5 : 0.45};
