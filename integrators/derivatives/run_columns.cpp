@@ -81,8 +81,12 @@ template <class Space> ColumnSlopesOf<Space>::ColumnSlopesOf(const System& syste
     const Index count = column.kind == RunColumn::Kind::state ? places_of_state(system) : system.listed();
     if (column.place < 0 || column.place >= count)
       throw std::invalid_argument("column of a run: place must be 0 to " + std::to_string(count - 1));
-    if (kPlanar<Space> && column.kind == RunColumn::Kind::across)
-      throw std::invalid_argument("column of a run: impulses across are in space");
+    if (column.kind == RunColumn::Kind::across) {
+      if (kPlanar<Space>) throw std::invalid_argument("column of a run: impulses across are in space");
+      if (system.law(static_cast<int>(column.place)).surface.orthotropic())
+        throw std::invalid_argument(
+            "column of a run: the second tangent's impulse of a contact with mu_across has no derivative here");
+    }
     any_gap_ = any_gap_ || column.kind == RunColumn::Kind::gap;
     any_impulse_ = any_impulse_ || column.impulse();
   }

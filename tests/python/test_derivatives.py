@@ -131,6 +131,23 @@ def test_gradients_of_a_run_of_rattle_are_central_differences_in_both_modes():
         assert np.isclose(found.final["clearance"], central(run, "clearance", 1e-3, "crank.theta", 1e-8), rtol=1e-4)
 
 
+def test_gradients_of_a_run_in_space_are_central_differences_in_both_modes():
+    def run(**options):
+        return orthant.simulate(orthant.Scene.named("spatial_slider_crank", **options), step=1e-3, duration=0.1)
+
+    made = run()
+    parameters = ["omega", "rod_spin", "start.rod.wx"]
+    forward, reverse = (made.gradient("slider.x", parameters, at="end", mode=mode) for mode in ("forward", "reverse"))
+    assert np.isclose(forward.final["omega"], central(run, "omega", 6.0, "slider.x", 1e-6), rtol=1e-6)
+    assert np.allclose(forward.by, reverse.by, rtol=1e-8, atol=1e-12)
+    with pytest.raises(ValueError, match="must be moreau-jean, for scenes in space"):
+        orthant.gradient("masse", "ball.x", "mu", integrator="rattle")
+    with pytest.raises(ValueError, match="rx, ry, rz"):
+        orthant.gradient("masse", "ball.x", "start.ball.theta")
+    with pytest.raises(ValueError, match="the scene must be planar"):
+        orthant.lyapunov("masse", duration=1, integrator="event-driven")
+
+
 def test_gradients_take_keys_of_texts_and_entries_of_arrays():
     scene = orthant.Scene(gravity=[0, -9.81], duration=0.6, step=1e-3)
     scene.add("body", name="ball", mass=1, inertia=0.004, position=[0, 1], velocity=[5, 0])

@@ -215,4 +215,7 @@ wall = {point = [0, 0, 0], normal = [0, 0, 1]}
   CHECK_THROWS_AS(differentiate_run(searched, {}, {}, *solver, clock), std::invalid_argument);
   CHECK_THROWS_AS(differentiate_run(resting, {{"none", 0, {}, 12}}, {}, *solver, clock), std::invalid_argument);
   CHECK_THROWS_AS(differentiate_run(resting, {}, {}, *solver, clock, {{Kind::state, 13}}), std::invalid_argument);
+  const SystemOf<Spatial> grooved(spatial_from_text(
+      text, {"contact.floor.mu=0.2", "contact.floor.mu_across=0.1", "contact.floor.direction=[1, 0, 0]"}));
+  CHECK_THROWS_AS(differentiate_run(grooved, {}, {}, *solver, clock, {{Kind::across, 0}}), std::invalid_argument);
 }

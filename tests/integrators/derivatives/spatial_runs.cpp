@@ -262,6 +262,7 @@ mu_across = 0.15
 direction = [0, 1, 0]
 e_n = 0.5
 e_t = 0.3
+surface = {omega = [2, 0, 0]}
 )";
 
 }  // namespace
