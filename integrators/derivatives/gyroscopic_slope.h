@@ -1,7 +1,7 @@
 // integrators/derivatives/gyroscopic_slope.h — slopes of a body's turn in a step of gyroscopic.h, in closed form.
 //
-//   ξ = a h ω, η = h ω_m; F = R exp ξ, R⁺ = R exp η; w⁻ = ω and w in the axes of F, ω⁺ = exp(−η) exp(ξ) w in those of R⁺.
-//   Turns change as R → R exp δφ; exp(φ + δφ) = exp φ exp(J_φ δφ), J the right Jacobian of the exponential:
+//   ξ = a h ω, η = h ω_m; F = R exp ξ, R⁺ = R exp η; w⁻ = ω and w in the axes of F, ω⁺ = exp(−η) exp(ξ) w in those
+//   of R⁺. Turns change as R → R exp δφ; exp(φ + δφ) = exp φ exp(J_φ δφ), J the right Jacobian of the exponential:
 //     δφ_F = exp(−ξ) δφ + a h J_ξ δω,   δφ⁺ = exp(−η) δφ + h J_η δω_m                                           (1)
 //     (1 − θ h [ω⁺]× J_η) δω⁺ = exp(−η) exp(ξ) (δw − a h [w]× J_ξ δω) + (1−θ) h [ω⁺]× J_η δω                    (2)
 //   g of gyroscopic.h (1), C = exp(−ξ) exp(η), m = C Jω⁺, y = exp(−ξ) Jω:

@@ -29,9 +29,9 @@ template <class Space> struct RunParameterOf {
   std::string name;
   double value = 0;
   std::function<Scene(double)> scene;  // at another value; empty: none of the scene
-  /// Entry of the initial (q, v), 0 … 2 dof − 1, that it is; −1: none. In space six of each body: displacement and turn,
-  /// both in the world and about its axes (angular velocity in the world stays), then velocity and angular velocity in
-  /// the world.
+  /// Entry of the initial (q, v), 0 … 2 dof − 1, that it is; −1: none. In space six of each body: displacement and
+  /// turn, both in the world and about its axes (angular velocity in the world stays), then velocity and angular
+  /// velocity in the world.
   Eigen::Index start = -1;
 };
 using RunParameter = RunParameterOf<Planar>;

@@ -1,5 +1,4 @@
-// integrators/derivatives/run_adjoint.h — reverse mode: gradients of scalars of a run of moreau-jean, or in the plane of
-// rattle.
+// integrators/derivatives/run_adjoint.h — reverse mode: gradients of scalars of a run (moreau-jean; in the plane rattle).
 //
 //   y_k = Σ_r Σ_c W_rck value_c(record r),  x̄ from the last step to the first by the adjoint of each step
 //   (run_tangent.h);  ∂y/∂p = Σ_steps ρ̄ · ∂ρ/∂p + x̄_0 · ∂x_0/∂p

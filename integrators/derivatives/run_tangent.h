@@ -1,9 +1,10 @@
 // integrators/derivatives/run_tangent.h — forward mode: tangents of a run of moreau-jean, or in the plane of rattle.
 //
 //   The tangent of each step (step_linearization.h, rattle_linearization.h, spatial_step_linearization.h) after the
-//   other, from the tangent of the start. The scene is a function of each parameter: masses, lengths, places, μ, e, clearances, spring and drive
-//   parameters alike; the start moves with it, projected onto the joints. These are the derivatives of the discrete run
-//   while the sequence of closed contacts, stick and slip stays; not those of the motion that the run approximates.
+//   other, from the tangent of the start. The scene is a function of each parameter: masses, lengths, places, μ, e,
+//   clearances, spring and drive parameters alike; the start moves with it, projected onto the joints. These are the
+//   derivatives of the discrete run while the sequence of closed contacts, stick and slip stays; not those of the
+//   motion that the run approximates.
 //   All parameters go through a step together, as the columns of a block.
 //   Cost: a run, the linearization of its steps, and for each parameter three solves a step. Many parameters and few
 //   outputs: run_adjoint.h.

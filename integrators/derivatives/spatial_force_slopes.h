@@ -1,7 +1,8 @@
 // integrators/derivatives/spatial_force_slopes.h — stiffness and damping of springs, drag and loads in space, in a
 // step's equations.
 //
-//   r = τ Σ (tension rowᵀ) + Σ (weight_k k + weight_c c) rowᵀ (row · change) − τ loads,   tension at (q, v), change w − v
+//   r = τ Σ (tension rowᵀ) + Σ (weight_k k + weight_c c) rowᵀ (row · change) − τ loads,   tension at (q, v), change
+//   w − v
 // as in force_slopes.h, by changes of poses (spatial_row_slope.h) and by v at a fixed w. All slopes are differences,
 // element by element; c of drag depends on v.
 #pragma once

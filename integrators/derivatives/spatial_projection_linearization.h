@@ -1,4 +1,4 @@
-// integrators/derivatives/spatial_projection_linearization.h — linearized projection of a step in space onto the joints.
+// integrators/derivatives/spatial_projection_linearization.h — linearized projection of a step onto joints in space.
 //
 //   q⁺ = q* moved by s, s = M⁻¹ G*ᵀ λ with Φ(q⁺) = 0;   v⁺ = v' + M⁻¹ G*ᵀ ν with G⁺ v⁺ = ṡ                       (1)
 //   Changes of poses are those of spatial_row_slope.h. With T = exp(−s) and J = J_s on the turns (gyroscopic_slope.h):

@@ -4,8 +4,8 @@
 //   The step of velocity_stepping.h from x = (q, v) to x⁺, joints symmetric, reduced form; rows and w, the velocities
 //   after the step, stand in the axes F of q_a = q moved by a h v (gyroscopic.h):
 //     r₁ = M̂ (w − v) − h f − g(v, w) − Gᵀ Λ_G − Jᵀ z = 0,   r₂ = G (v/a + w − v) − ṡ/a = 0                        (1)
-//     r₃ = J w − target (e, e_T, moving surfaces),  z of the complementarity problem with friction discs              (2)
-//     ω⁺ of w, q* = q moved by h (θ v' + (1−θ) v), then the projection of spatial_projection_linearization.h           (3)
+//     r₃ = J w − target (e, e_T, moving surfaces),  z of the complementarity problem with friction discs          (2)
+//     ω⁺ of w, q* = q moved by h (θ v' + (1−θ) v), then spatial_projection_linearization.h                        (3)
 //   Changes of poses have six coordinates a body: δx in the world, δφ with R → R exp δφ. Tangent of (δq, δv):
 //     ρ = (r₁, r₂, r₃)˙ at fixed w, Λ_G, z;   (x, ·) = K⁻¹ (−ρ₁, −ρ₂),  ẇ₀ = J x + ρ₃,  ż by step_sensitivity.h,
 //     ẇ = x + B Jᵀ ż,   K: M̂ − ∂g/∂w in place of M̂ (spatial_saddle.h),  B its block of velocities
