@@ -44,11 +44,19 @@ SpatialSaddle::SpatialSaddle(const SystemOf<Spatial>& system)
 
 void SpatialSaddle::set_up(const std::vector<Slope>& added, const std::vector<Row>& push, const std::vector<Row>& hold,
                            const std::vector<Eigen::Index>& rows) {
+  constexpr Eigen::Index kDenseEquations = 96;
+  constexpr double kSingular = 1e-14;  // of K, whose entries are at most about 1
   const Eigen::Index dof = system_.dof();
   rows_ = rows;
+  const Eigen::Index size = dof + std::ssize(rows_);
+  dense_ = size <= kDenseEquations;
   std::vector<Eigen::Triplet<double, int>> entries;
+  if (dense_) K_.setZero(size, size);
   const auto put = [&](Eigen::Index i, Eigen::Index j, double value) {
-    entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+    if (dense_)
+      K_(i, j) += value;
+    else
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
   };
   for (Eigen::Index i = 0; i < dof; ++i) put(i, i, 1);
   for (const Slope& s : added) put(s.of, s.by, s.value / (root_[s.of] * root_[s.by]));
@@ -64,14 +72,19 @@ void SpatialSaddle::set_up(const std::vector<Slope>& added, const std::vector<Ro
     each_entry(pushes, [&](Eigen::Index i, double j) { put(i, place, -j * push_scale_[r] / root_[i]); });
     each_entry(holds, [&](Eigen::Index i, double j) { put(place, i, j * hold_scale_[r] / root_[i]); });
   }
-  const Eigen::Index size = dof + std::ssize(rows_);
-  Eigen::SparseMatrix<double> K(size, size);
-  K.setFromTriplets(entries.begin(), entries.end());
-  std::vector<int> start(K.outerIndexPtr(), K.outerIndexPtr() + size + 1);
-  std::vector<int> row(K.innerIndexPtr(), K.innerIndexPtr() + K.nonZeros());
-  std::vector<double> value(K.valuePtr(), K.valuePtr() + K.nonZeros());
-  if (!lu_.factorize(start, row, value, 1e-14))
-    throw std::runtime_error("derivatives of a step: its linear equations are singular");
+  bool regular = true;
+  if (dense_) {
+    dense_lu_.compute(K_);
+    regular = dense_lu_.matrixLU().diagonal().cwiseAbs().minCoeff() > kSingular;  // false for NaN as well
+  } else {
+    Eigen::SparseMatrix<double> K(size, size);
+    K.setFromTriplets(entries.begin(), entries.end());
+    std::vector<int> start(K.outerIndexPtr(), K.outerIndexPtr() + size + 1);
+    std::vector<int> row(K.innerIndexPtr(), K.innerIndexPtr() + K.nonZeros());
+    std::vector<double> value(K.valuePtr(), K.valuePtr() + K.nonZeros());
+    regular = lu_.factorize(start, row, value, kSingular);
+  }
+  if (!regular) throw std::runtime_error("derivatives of a step: its linear equations are singular");
 }
 
 void SpatialSaddle::solve(const double* f, const double* c, double* x, double* lambda) {
@@ -80,7 +93,10 @@ void SpatialSaddle::solve(const double* f, const double* c, double* x, double* l
   x_.head(dof) = Eigen::Map<const Eigen::VectorXd>(f, dof).cwiseQuotient(root_);
   for (std::size_t k = 0; k < rows_.size(); ++k)
     x_[dof + static_cast<Eigen::Index>(k)] = c != nullptr ? c[rows_[k]] * hold_scale_[rows_[k]] : 0;
-  lu_.solve(x_.data());
+  if (dense_)
+    x_ = dense_lu_.solve(x_).eval();
+  else
+    lu_.solve(x_.data());
   Eigen::Map<Eigen::VectorXd>(x, dof) = x_.head(dof).cwiseQuotient(root_);
   if (lambda == nullptr) return;
   std::fill(lambda, lambda + system_.joint_rows(), 0.0);
@@ -93,7 +109,10 @@ void SpatialSaddle::solve_adjoint(const double* of_x, double* of_f, double* of_c
   x_.resize(dof + std::ssize(rows_));
   x_.head(dof) = Eigen::Map<const Eigen::VectorXd>(of_x, dof).cwiseQuotient(root_);
   x_.tail(std::ssize(rows_)).setZero();
-  lu_.solve_transposed(x_.data());
+  if (dense_)
+    x_ = dense_lu_.transpose().solve(x_).eval();
+  else
+    lu_.solve_transposed(x_.data());
   Eigen::Map<Eigen::VectorXd>(of_f, dof) = x_.head(dof).cwiseQuotient(root_);
   std::fill(of_c, of_c + system_.joint_rows(), 0.0);
   for (std::size_t k = 0; k < rows_.size(); ++k)

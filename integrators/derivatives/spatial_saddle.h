@@ -4,12 +4,14 @@
 //   symmetric), rows P that push and H that hold
 //   adjoint of x̄:  [f̄; c̄] = K⁻ᵀ [x̄; 0]
 // Rows that repeat others are left out (independent_rows()): their λ is 0, x is the same.
-// K is scaled by √M and by the rows' lengths, and factorized by KLU.
+// K is scaled by √M and by the rows' lengths, and factorized: up to 96 equations as a dense matrix, else by KLU.
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/derivatives/row_slope.h>
 #include <orthant/solvers/linear_algebra/sparse_lu.h>
+
+#include <Eigen/LU>
 
 #include <vector>
 
@@ -45,6 +47,9 @@ class SpatialSaddle {
   const SystemOf<Spatial>& system_;
   Eigen::VectorXd root_, push_scale_, hold_scale_;  // √M; 1 / the lengths of the scaled rows
   std::vector<Eigen::Index> rows_;
+  bool dense_ = false;
+  Eigen::MatrixXd K_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> dense_lu_;
   SparseLu lu_;
   Eigen::VectorXd x_;
 };
