@@ -9,7 +9,8 @@ namespace orthant {
 namespace {
 
 constexpr double kTurnBeside = 1e-3;  // [rad] of differences: errors of 1e-13 from either side
-constexpr double kSharpest = 1e-3;    // of a rim's tilt and of an ellipsoid's axes
+constexpr double kWayBeside = 1e3;  // [m] likewise: bodies that fall hardly turn, and would be moved beyond all doubles
+constexpr double kSharpest = 1e-3;  // of a rim's tilt and of an ellipsoid's axes
 
 /// Rows of an ellipsoid or a rim turn that much faster than their body.
 double sharpness(const spatial::EllipsoidPlane& c, const KinematicsOf<Spatial>& /*k*/) {
@@ -19,6 +20,10 @@ double sharpness(const spatial::RimPlane& c, const KinematicsOf<Spatial>& k) {
   return 1 / std::max(kSharpest, k.at(c.a).turn(c.axis).cross(k.at(c.b).turn(c.normal)).norm());
 }
 template <class Contact> double sharpness(const Contact& /*c*/, const KinematicsOf<Spatial>& /*k*/) { return 1; }
+
+Vector3d velocity_of(const Eigen::VectorXd& v, BodyId body) {
+  return body < 0 ? Vector3d(0, 0, 0) : Vector3d(translation<Spatial>(v, body));
+}
 
 }  // namespace
 
@@ -247,7 +252,8 @@ SpatialMotion::Bias SpatialMotion::bias(int contact, const Eigen::VectorXd& q, c
   const auto [a, b] = bodies_of(system_, terms_.pairs, contact);
   const ContactLaw& law = system_.law(contact);
   const bool frictional = law.frictional(), orthotropic = law.surface.orthotropic();
-  const double s = kTurnBeside / turning;
+  const double fastest = std::max(velocity_of(v, a).norm(), velocity_of(v, b).norm());
+  const double s = std::min(kTurnBeside / turning, kWayBeside / std::max(fastest, 1e-300));
   double normal = 0;
   Vector3d slip(0, 0, 0);
   Tangents change{};

@@ -267,6 +267,25 @@ void SpatialEventDriven::end_departures() {
   if (any) fresh_ = false;
 }
 
+/// The first event in the trial step of s, which ends there.
+auto SpatialEventDriven::find_event(double& s, std::optional<Sign>& event) -> Search {
+  event.reset(), dismissed_.clear();
+  for (int i = 0;;) {
+    const std::optional<Sign> next = first_sign(s);
+    if (!next) return Search::done;
+    if (i == kMostTries) return Search::endless;
+    const double before = s;
+    const Landing landing = land(*next, s);
+    if (landing == Landing::fails) return Search::fails;
+    if (landing == Landing::none) {
+      dismissed_.push_back(*next);  // rounding: later ones of other contacts count all the same
+      continue;
+    }
+    event = next, ++i;
+    if (!(s < before)) return Search::done;
+  }
+}
+
 /// One accepted step, with the event at its end if there is one.
 bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
   const double stop = system_.next_breakpoint(time_ + time_rounding(time_));
@@ -276,36 +295,27 @@ bool SpatialEventDriven::advance(double h, Solver& solver, StepReport& report) {
   start_.t = time_, start_.q = now_.q, start_.v = now_.v;
   double s = std::min(next_, longest(std::min(h, rest)));
   double error = kInf;
+  std::optional<Sign> event;
+  const auto stalls = [&](const char* what, const char* then) {
+    return give_up(Status::stalled, what + (" at t = " + detail::text_of(time_)) + then) ||
+           (options_.go_on && cross(solver, report));
+  };
   for (;;) {
     error = attempt(s);
     const double factor =
         error < kInf ? std::clamp(0.9 * std::pow(error, -1 / ChartRungeKutta::kErrorOrder), 0.2, 6.0) : 0.2;
     if (error <= 1 && !turned() && !overdue()) {
       next_ = s < next_ ? std::max(next_, factor * s) : factor * s;
-      break;
+      const double whole = s;
+      const Search search = find_event(s, event);
+      if (search == Search::done) break;
+      if (search == Search::endless) return stalls("no first event was found", "");
+      s = whole;
     }
     ++report.rejected;
     next_ = s *= error <= 1 ? 0.3 : factor;
     if (s < 1e-3 * time_rounding(time_) + 1e-30)
-      return give_up(Status::stalled, "step size below rounding at t = " + detail::text_of(time_) +
-                                          ": the forces grow without bound, or tolerances are too small") ||
-             (options_.go_on && cross(solver, report));
-  }
-  std::optional<Sign> event;
-  dismissed_.clear();
-  for (int i = 0;;) {
-    const std::optional<Sign> next = first_sign(s);
-    if (!next) break;
-    if (i == kMostTries)
-      return give_up(Status::stalled, "no first event was found at t = " + detail::text_of(time_)) ||
-             (options_.go_on && cross(solver, report));
-    const double before = s;
-    if (!land(*next, s)) {
-      dismissed_.push_back(*next);  // rounding: later ones of other contacts count all the same
-      continue;
-    }
-    event = next, ++i;
-    if (!(s < before)) break;
+      return stalls("step size below rounding", ": the forces grow without bound, or tolerances are too small");
   }
   ++report.accepted;
   report.error_estimate += error * path_scale_.maxCoeff();

@@ -136,7 +136,14 @@ class SpatialEventDriven final : public IntegratorOf<Spatial> {
   void find_ends(double s, std::optional<Sign>& first);
   double value(const Sign& sign, const Point& p) const;
   double slack(const Sign& sign) const;
-  bool land(const Sign& sign, double& s);
+  enum class Landing {
+    there,  // the trial step ends at the event
+    none,   // it is as long as before: the value is not negative near the sign
+    fails   // likewise: no motion could be calculated on the way
+  };
+  Landing land(const Sign& sign, double& s);
+  enum class Search { done, fails, endless };
+  Search find_event(double& s, std::optional<Sign>& event);
 
   bool change(Solver& solver, const std::optional<Sign>& event, StepReport& report);
   bool change_or_cross(Solver& solver, const std::optional<Sign>& event, StepReport& report);

@@ -191,32 +191,34 @@ void SpatialEventDriven::find_ends(double s, std::optional<Sign>& first) {
   }
 }
 
-/// Shortens the trial step of s to where the value of `sign` is zero. False: it is not negative there; the step is as
-/// long as before.
-bool SpatialEventDriven::land(const Sign& sign, double& s) {
+/// Shortens the trial step of s to where the value of `sign` is zero, if it is negative there.
+auto SpatialEventDriven::land(const Sign& sign, double& s) -> Landing {
   constexpr int kIterations = 80;
   const double zero = slack(sign), whole = s, start = value(sign, now_);
-  if (sign.watch == Watch::stop) return true;
+  if (sign.watch == Watch::stop) return Landing::there;
   double low = 0, f_low = start, high = s, f_high = value(sign, trial_);
-  const auto restore = [&] { return attempt(s = whole, true) < kInf; };
+  const auto restore = [&] { attempt(s = whole, true); };
   if (!(f_high < -zero)) {
-    bool found = false;
+    bool found = false, fails = false;
     const auto between = [&](double part) { return sign.x + part * (1 - sign.x); };
     for (const double at : {sign.deep, sign.x, between(1.0 / 64), between(1.0 / 16), between(1.0 / 4), between(0.5)}) {
       high = whole * at;
       if (!(high > 0)) high = 1e-3 * whole;
-      if (!(attempt(high, true) < kInf)) continue;
+      if (!(attempt(high, true) < kInf)) {
+        fails = true;
+        continue;
+      }
       f_high = value(sign, trial_);
       found = f_high < -zero;
       if (found) break;
     }
-    if (!found) return restore(), false;
+    if (!found) return restore(), fails ? Landing::fails : Landing::none;
   }
   const double enough = sign.watch == Watch::gap ? 4 * gap_zero(sign.contact) : zero / 8;
   double guess = std::clamp(sign.x * whole, 0.0, high);
   if (guess <= 0 || guess >= high) guess = high / 2;
   for (int i = 0; i < kIterations; ++i) {
-    if (!(attempt(guess, true) < kInf)) return restore(), false;
+    if (!(attempt(guess, true) < kInf)) return restore(), Landing::fails;
     const double f = value(sign, trial_);
     s = guess;
     if (std::abs(f) <= enough && (sign.watch != Watch::gap || trial_.w.gap_rate[sign.contact] < 0 || f < 0)) break;
@@ -231,7 +233,7 @@ bool SpatialEventDriven::land(const Sign& sign, double& s) {
     if (!inside || (sign.watch != Watch::gap && i % 3 == 2) || f_low <= 0) next = (low + high) / 2;
     guess = next;
   }
-  return true;
+  return Landing::there;
 }
 
 }  // namespace orthant
