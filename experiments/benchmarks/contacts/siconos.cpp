@@ -163,9 +163,7 @@ int main(int argc, char** argv) try {
     auto cone = std::make_shared<FrictionContact>(3, id);
     cone->numericsSolverOptions()->dparam[SICONOS_DPARAM_TOL] = 1e-8;
     cone->numericsSolverOptions()->iparam[SICONOS_IPARAM_MAX_ITER] = 1000;
-    cone->setMaxSize(100000);
-    cone->setMStorageType(NM_SPARSE);
-    cone->setAssemblyType(REDUCED_DIRECT);
+    cone->setMaxSize(static_cast<int>(36 * world.bodies.size()));
     cone->setKeepLambdaAndYState(true);
     problem = cone;
   }
