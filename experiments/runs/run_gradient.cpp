@@ -171,11 +171,15 @@ RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Spac
                                              "wx, wy, wz");
     return {key, 0, {}, place};
   }
+  if (key == "duration" || key == "step")
+    refuse_parameter(key, "is a setting of the run: must be a value of the scene or its start");
   const auto [name, place] = split_place(key);
   std::string text = text_of_value(source, name);
   if (text.empty()) text = text_of_default<Space>(source, scene, name, place >= 0);
   if (text.empty())
-    refuse_parameter(key, "the scene gives it no value: must be a key with a number, or given by KEY=VALUE");
+    refuse_parameter(key,
+                     "no number is found at this key in the scene: must be an option, KIND.NAME.KEY or "
+                     "KIND.NAME.KEY[i] (no deeper), or be given by KEY=VALUE");
   std::vector<double> numbers = numbers_in(text);
   const bool is_array = text.front() == '[';
   if (numbers.empty() || is_array != (place >= 0) || place >= static_cast<int>(numbers.size()))

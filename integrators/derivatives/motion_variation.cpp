@@ -11,6 +11,19 @@ namespace {
 
 constexpr double kParameterStep = 1e-4;  // of the value
 constexpr double kUnmoved = 1e-9;        // of a direction: its change of a gap
+constexpr double kRounded = 1e-14;       // [m, m/s] of gaps and rates
+constexpr double kOfRadius = 1e-2;       // of the least radius on which a contact's direction turns: differences
+
+/// [m] The least distance of two centres whose line is a contact's normal; infinity: there is none.
+double least_radius(const Scene& scene) {
+  double least = kInf;
+  for (const Contact& contact : scene.contacts) {
+    if (const auto* hole = std::get_if<Journal>(&contact)) least = std::min(least, hole->radius_b - hole->radius_a);
+    if (const auto* discs = std::get_if<DiscDisc>(&contact)) least = std::min(least, discs->radius_a + discs->radius_b);
+    if (const auto* disc = std::get_if<DiscPolygon>(&contact)) least = std::min(least, disc->radius);
+  }
+  return least;
+}
 
 std::vector<ParameterChange> changes_of(const std::vector<RunParameter>& parameters, const System& system,
                                         double duration) {
@@ -35,10 +48,13 @@ MotionVariation::MotionVariation(const System& system, const std::vector<RunPara
       begins_(system, base_, begun_frictions(changes, system)),
       result_(result) {
   const auto count = static_cast<Eigen::Index>(parameters.size());
+  const double radius = least_radius(system.scene());
   result.warnings = one_sided_in_words(parameters, changes);
   result.q.setZero(system.dof(), count), result.v.setZero(system.dof(), count);
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     VariedDirection direction{std::move(changes[j]), &base_, {}};
+    direction.way = std::min(direction.way, kOfRadius * radius);
+    direction.far = std::min(direction.far, kOfRadius * radius);
     if (direction.change.moves_drive)
       throw std::invalid_argument("derivative with respect to " + parameters[j].name +
                                   ": times of a drive's table have none by event-driven: must be moreau-jean");
@@ -147,7 +163,8 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
             return Eigen::Vector2d(near.gap(s.contact, t, q), s.plastic ? near.gap_rate(s.contact, t, q, v) : 0);
           });
       const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
-      if (changes.lpNorm<Eigen::Infinity>() > kUnmoved * std::max(size, 1e-3))
+      const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
+      if (changes.lpNorm<Eigen::Infinity>() > kUnmoved * std::max(size, 1e-3) + rounding)
         contacts += (contacts.empty() ? "" : ", ") + name(s.contact);
     }
     if (!contacts.empty())

@@ -21,16 +21,18 @@ struct VariedDirection {
   ParameterChange change;
   NearbyMotion* base = nullptr;
   std::array<std::unique_ptr<NearbyMotion>, 4> near;  // null: the scene stays as it is
+  double way = 1e-4;                                  // [m, rad] of differences along the state alone
+  double far = 3e-3;                                  // [m, rad] along with the parameter, at most
 
   /// f(nearby motion, q, v), of any number of values: its derivative along (dq, dv) and the parameter.
   template <class F> Eigen::VectorXd derivative(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                                 const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, F&& f) const {
     const double fast = speed(dq, dv, v);
-    if (change.of_scene() && change.step * fast <= kFar)
+    if (change.of_scene() && change.step * fast <= far)
       return sum(change.places, change.weights, change.step, true, q, v, dq, dv, f);
     constexpr std::array<int, 4> kPlaces{-2, -1, 1, 2};
     constexpr std::array<double, 4> kWeights{1. / 12, -8. / 12, 8. / 12, -1. / 12};
-    Eigen::VectorXd all = sum(kPlaces, kWeights, kWay / std::max(fast, 1e-300), false, q, v, dq, dv, f);
+    Eigen::VectorXd all = sum(kPlaces, kWeights, way / std::max(fast, 1e-300), false, q, v, dq, dv, f);
     if (!change.of_scene()) return all;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(q.size());
     return all + sum(change.places, change.weights, change.step, true, q, v, none, none, f);
@@ -38,13 +40,10 @@ struct VariedDirection {
   /// Of the state, by the step of differences.
   double moved(const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, const Eigen::VectorXd& v) const {
     const double fast = speed(dq, dv, v);
-    return change.of_scene() && change.step * fast <= kFar ? change.step : kWay / std::max(fast, 1e-300);
+    return change.of_scene() && change.step * fast <= far ? change.step : way / std::max(fast, 1e-300);
   }
 
  private:
-  static constexpr double kWay = 1e-4;  // [m, rad] of differences along the state alone
-  static constexpr double kFar = 3e-3;  // [m, rad] along with the parameter, at most
-
   static double speed(const Eigen::VectorXd& dq, const Eigen::VectorXd& dv, const Eigen::VectorXd& v) {
     return std::max(dq.lpNorm<Eigen::Infinity>(), dv.lpNorm<Eigen::Infinity>() / (1 + v.lpNorm<Eigen::Infinity>()));
   }

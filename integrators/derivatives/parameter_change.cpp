@@ -288,6 +288,10 @@ template <class Space> ParameterChangeOf<Space> changes_of(const RunParameterOf<
   choose_step(parameter, system, duration, relative_step, change);
   const auto &base = system.scene(), &other = change.other().scene();
   note_knots<Space>(parameter, base, change);
+  if constexpr (kPlanar<Space>)
+    for (std::size_t i = 0; i < base.frictions.size(); ++i)
+      if (base.frictions[i].mu != other.frictions[i].mu)
+        refuse("the friction '" + base.frictions[i].name + "' depends on its joint's load");
 
   const auto of_vectors = [&](auto&& get) -> Eigen::VectorXd {
     Eigen::VectorXd sum = change.weights[0] * get(*change.at[0]);

@@ -150,6 +150,18 @@ bool of_one_formula(const spatial::Contact& /*contact*/) { return true; }
 
 constexpr double kSampleTimes[] = {0, 0.381966, 1};  // of the duration
 
+/// [m] Of a pin in a hole, that starts in the middle as a rule, where its contact has no direction. 0: no such contact.
+double clearance_of(const Contact& contact) {
+  const auto* hole = std::get_if<Journal>(&contact);
+  return hole != nullptr ? hole->radius_b - hole->radius_a : 0;
+}
+double clearance_of(const spatial::Contact& contact) {
+  if (const auto* c = std::get_if<spatial::Socket>(&contact)) return c->radius_b - c->radius_a;
+  if (const auto* c = std::get_if<spatial::PinBush>(&contact)) return c->radius_b - c->radius_a;
+  if (const auto* c = std::get_if<spatial::SphereBush>(&contact)) return c->radius_b - c->radius_a;
+  return 0;
+}
+
 /// all: also contacts that may be those of another corner at values nearby.
 template <class Space, class Samples> void take_all(const ParameterChangeOf<Space>& change,
                                                     const SystemOf<Space>& system, double duration, bool all,
@@ -162,9 +174,26 @@ template <class Space, class Samples> void take_all(const ParameterChangeOf<Spac
     take_elements(change, at, start.v, samples);
   }
   set_poses(system, start.t, start.q, at);
-  for (const int i : change.contacts)
-    if (all || of_one_formula(system.scene().contacts[static_cast<std::size_t>(i)]))
+  for (const int i : change.contacts) {
+    const auto& contact = system.scene().contacts[static_cast<std::size_t>(i)];
+    if (!all && !of_one_formula(contact)) continue;
+    const double clearance = clearance_of(contact);
+    if (!(clearance > 0)) {
       samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
+      continue;
+    }
+    const auto [a, b] = std::visit([](const auto& c) { return bodies_of(c); }, contact);
+    for (const double side : {1.0, -1.0}) {  // near the surface
+      Eigen::VectorXd away = Eigen::VectorXd::Zero(system.dof()), q;
+      const Eigen::Index first = Space::kVelocities * (a >= 0 ? a : b);
+      away[first] = side * 0.6 * clearance, away[first + 1] = side * 0.8 * clearance;
+      if constexpr (!kPlanar<Space>) away[first + 2] = side * 0.3 * clearance;
+      move<Space>(start.q, away, q);
+      set_poses(system, start.t, q, at);
+      samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
+    }
+    set_poses(system, start.t, start.q, at);
+  }
   samples.take([](const Of& s, std::vector<double>& to) { append(s.weight(), to); });
   if constexpr (kPlanar<Space>) {
     samples.take([](const Of& s, std::vector<double>& to) { append(s.mass(), to); });

@@ -160,6 +160,13 @@ void slopes_of(const Contact& contact, Kinematics& at, std::array<RowSlope, 2>& 
   if (const auto* discs = std::get_if<DiscDisc>(&contact))
     return line_slopes(at, {discs->a, discs->b, discs->centre_a, discs->centre_b}, discs->radius_a, discs->radius_b,
                        slopes[0], &slopes[1]);
+  if (const auto* hole = std::get_if<Journal>(&contact)) {  // discs with a negative radius, rows of the opposite sign
+    line_slopes(at, {hole->a, hole->b, hole->centre_a, hole->centre_b}, -hole->radius_a, hole->radius_b, slopes[0],
+                &slopes[1]);
+    for (RowSlope& slope : slopes)
+      for (std::size_t i = 0; i < slope.count; ++i) slope.entries[i].value *= -1;
+    return;
+  }
   std::visit(
       [&](const auto& c) {
         const auto [a, b] = bodies_of(c);

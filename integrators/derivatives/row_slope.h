@@ -3,7 +3,7 @@
 //   ∂j_of / ∂q_by of the places `of` and `by` in stacked vectors; those that are 0 are left out
 // Rows of pins, slides, corners and discs on walls are affine in the places and, of each angle, in its sine and cosine:
 //   ∂f/∂θ = (f(θ + π/2) − f(θ − π/2)) / 2,   ∂f/∂x = (f(x + 1) − f(x − 1)) / 2
-// hold exactly. Spans, distances and pairs of discs have formulas. Journals, polygons and custom elements take central
+// hold exactly. Spans, distances, journals and pairs of discs have formulas. Polygons and custom elements take central
 // differences of fourth order over 3e-6 m (rad): a relative error of about 1e-9 at a radius of 1 mm.
 #pragma once
 

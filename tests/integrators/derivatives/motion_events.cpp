@@ -156,6 +156,40 @@ point_a = [0.25, 0]
 point_b = [0, 0.001]
 )";
 
+// A disc in a hole of a driven arm, 0.1 mm of clearance; it starts in the middle.
+const std::string kDiscInHole = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "arm"
+mass = 1
+inertia = 0.02
+omega = 8
+[[joint]]
+name = "shaft"
+type = "revolute"
+bodies = ["ground", "arm"]
+[[joint]]
+name = "motor"
+type = "drive"
+joint = "shaft"
+rate = 8
+[[body]]
+name = "d"
+mass = 1
+inertia = 0.001
+position = [0.1, 0]
+velocity = [0, 0.8]
+[[contact]]
+name = "B"
+type = "journal"
+bodies = ["d", "arm"]
+centre_b = [0.1, 0]
+radius_a = 0.01
+radius_b = 0.0101
+mu = 0.1
+e_n = 0.0
+)";
+
 const std::vector<MotionTrial> kBreaks = {{"body.rod.position", "[", ", 0.002]", 0.45},
                                           {"body.sl.velocity", "[0, ", "]", 0},
                                           {"body.sl.angle", "", "", 0},
@@ -250,6 +284,14 @@ TEST_CASE("tangent of a motion: mu = 0, of friction that begins against the slip
   const MotionTangent none = differentiate_motion(
       System(from_text(still)({})), parameters_of(still, {{"contact.f.mu", "", "", 0}}), {}, *solver, 0.1);
   CHECK(none.none.find("rests without a slip") != std::string::npos);
+}
+
+TEST_CASE("tangent of a motion: differences are short beside a clearance, also of a disc that starts in the middle") {
+  const std::vector<MotionTrial> trials = {{"body.d.velocity", "[", ", 0.8]", 0, 1e-5},
+                                           {"contact.B.radius_b", "", "", 0.0101, 1e-7},
+                                           {"contact.B.centre_b", "[", ", 0]", 0.1, 1e-7},
+                                           {"contact.B.centre_b", "[0.1, ", "]", 0, 1e-7}};
+  check_motion(kDiscInHole, trials, 0.04, 2e-5);
 }
 
 TEST_CASE("tangents of a start that breaks a joint: by its velocities, and by 0.2 mm") {

@@ -43,7 +43,7 @@ void check_slopes(const System& system, Kinematics& at, const std::array<RowSlop
 
 }  // namespace
 
-TEST_CASE("slopes of a distance, a span's drive and two discs: formulas, with both bodies and with the ground") {
+TEST_CASE("slopes of a distance, a span, a journal and two discs: formulas, with both bodies and with the ground") {
   const System system(two_bodies());
   Kinematics at = Terms(system).at;
   const auto here = [&] { set_poses(system, 0, system.initial_state().q, at); };
@@ -60,8 +60,14 @@ TEST_CASE("slopes of a distance, a span's drive and two discs: formulas, with bo
     const Coordinate span = Span{a, b, {0.2, 0.1}, {-0.3, 0.4}};
     here(), slope_of(span, at, one[0]);
     check_slopes(system, at, one, [&](const Kinematics& k) { return std::array<Row, 1>{span.row(k)}; });
-    const DiscDisc discs{"discs", a, {0.2, 0.1}, 0.5, b, {-0.3, 0.4}, 0.25, {}};
+    const Journal hole{"hole", a, {0.2, 0.1}, 0.25, b, {-0.3, 0.4}, 3, {}};
     std::array<RowSlope, 2> both;
+    here(), slopes_of(Contact(hole), at, both);
+    check_slopes(system, at, both, [&](const Kinematics& k) {
+      const ContactRows rows = hole.rows(k);
+      return std::array<Row, 2>{rows.normal, rows.tangent};
+    });
+    const DiscDisc discs{"discs", a, {0.2, 0.1}, 0.5, b, {-0.3, 0.4}, 0.25, {}};
     here(), slopes_of(Contact(discs), at, both);
     check_slopes(system, at, both, [&](const Kinematics& k) {
       const ContactRows rows = discs.rows(k);
