@@ -4,34 +4,32 @@
 
 namespace orthant {
 
-void ConePgs::begin_conjugate(Index states) {
-  norm_ = beta_ = 0;
-  if (!options_.conjugate) return;
-  for (Vector* each : {&p_, &r_}) each->resize(form().size()), each->setZero();
-  for (Vector* each : {&p_state_, &r_state_}) each->resize(states), each->setZero();
+void ConePgs::begin_accelerated(const Vector& z) {
+  momentum_ = 1;
+  if (options_.accelerated) before_ = z, state_before_ = operator_sweeps_.state();
 }
 
-/// A sweep, after the conjugate move where there is one. Returns ‖z_new − z_old‖ of the sweep.
+/// A sweep, or a pair of them from a point ahead. Returns ‖z_new − z_old‖ of the sweep, or of the pair.
 double ConePgs::sweep(Vector& z, double omega, bool backward) {
   const bool formed = form().formed();
-  const auto once = [&] {
-    return formed ? sweeps_.sweep(z, omega, backward) : operator_sweeps_.sweep(z, omega, backward);
+  const auto once = [&](bool back) {
+    return formed ? sweeps_.sweep(z, omega, back) : operator_sweeps_.sweep(z, omega, back);
   };
-  if (!options_.conjugate) return once();
-  if (!formed && operator_sweeps_.stale()) operator_sweeps_.start(z);
-  Vector& state = operator_sweeps_.state();
-  p_ *= beta_, z += p_, p_ += r_;  // z by β p; then p ← β p + r
-  r_ = z;
-  if (!formed) {
-    p_state_ *= beta_, state += p_state_, p_state_ += r_state_;
-    r_state_ = state;
+  if (!options_.accelerated) return once(backward);
+  if (!formed && operator_sweeps_.stale()) {  // both: momentum would carry on the rounding of one, ever larger
+    operator_sweeps_.start(before_), state_before_ = operator_sweeps_.state();
+    operator_sweeps_.start(z);
   }
-  const double moved = once(), norm = moved * moved;
-  r_ = z - r_;
-  if (!formed) r_state_ = state - r_state_;
-  beta_ = norm <= norm_ ? norm / norm_ : 0;
-  norm_ = norm;
-  return moved;
+  const double next = (1 + std::sqrt(1 + 4 * momentum_ * momentum_)) / 2, beta = (momentum_ - 1) / next;
+  momentum_ = next;
+  const auto move_ahead = [beta](Vector& x, Vector& before, Vector& ahead) {
+    ahead = x + beta * (x - before), before = x, x = ahead;
+  };
+  move_ahead(z, before_, ahead_);
+  if (!formed) move_ahead(operator_sweeps_.state(), state_before_, state_ahead_);
+  once(false), once(true);
+  if ((ahead_ - z).dot(z - before_) > 0) momentum_ = 1;
+  return (z - ahead_).norm();
 }
 
 Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
@@ -40,7 +38,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
   if (options_.threads > 1 && !team_) team_ = std::make_unique<ThreadTeam>(options_.threads);
   operator_sweeps_.load(form(), team_.get());
   operator_sweeps_.start(z);
-  begin_conjugate(operator_sweeps_.state().size());
+  begin_accelerated(z);
   double omega = options_.omega, mark = kInf, last = kInf;
   while (iterations < options_.max_sweeps) {
     ++iterations;
@@ -65,7 +63,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
 Claim ConePgs::iterate(Vector& z, int& iterations) {
   if (!form().formed()) return iterate_unformed(z, iterations);
   sweeps_.load(form());
-  begin_conjugate(0);
+  begin_accelerated(z);
   double omega = options_.omega, mark = kInf;
   while (iterations < options_.max_sweeps) {
     ++iterations;

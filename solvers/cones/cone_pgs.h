@@ -2,11 +2,13 @@
 //
 //   Sweeps as in cone_sweeps.h, relaxed by ω, forward or forward and backward in turn. Safeguard: where ten sweeps of ω
 //   > 1 leave the residual larger, ω falls to 1.
-//   conjugate: a sweep G is a step r = G(z) − z of nonlinear conjugate gradients (first_order/nncg.h). Where sweeps alone
-//   take a number that grows like the square of a stack's height, these take one that grows like the height. The z that
-//   is judged is one that a sweep has just left.
+//   accelerated: a pair of sweeps G, forward and backward, acts like a gradient step in a metric of its own; Nesterov's
+//   momentum y = z + β (z − z_before), z ← G(y), β = (θ − 1) / θ⁺, θ⁺ = (1 + √(1 + 4 θ²)) / 2, begins again (θ = 1) where
+//   it leads uphill, ⟨y − z⁺, z⁺ − z⟩ > 0. Where sweeps alone take a number that grows like the square of a stack's
+//   height, these take one that grows like the height. An iteration is a pair.
 //   Operators of many rows are swept unformed, by several threads (operator_sweeps.h). The residual costs half a sweep
 //   there: it is found after the first sweep, after every kLook, and where the changes of z promise the end.
+//   Source of the momentum: O'Donoghue & Candès, Found. Comput. Math. 15 (2015) 715-732.
 //   No convergence proof for Coulomb's law; with redundant contacts (walls, towers) thousands of sweeps for 1e-4 are
 //   common.
 #pragma once
@@ -24,7 +26,7 @@ class ConePgs final : public ConeSolver {
   struct Options {
     double tolerance = 1e-10, omega = 1;
     int max_sweeps = 10000;
-    bool symmetric = false, conjugate = false;
+    bool symmetric = false, accelerated = false;
     int threads = 1;
   };
   explicit ConePgs(const Options& options) : options_(options) {}
@@ -33,15 +35,16 @@ class ConePgs final : public ConeSolver {
   Claim iterate(Vector& z, int& iterations) override;
   Claim iterate_unformed(Vector& z, int& iterations);
   double sweep(Vector& z, double omega, bool backward);
-  void begin_conjugate(Index states);
+  void begin_accelerated(const Vector& z);
   bool takes_operators() const override { return true; }
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeSweeps sweeps_;
   OperatorSweeps operator_sweeps_;
   std::unique_ptr<ThreadTeam> team_;
-  Vector p_, r_, p_state_, r_state_;  // conjugate: directions, and what they do to the state of an operator
-  double norm_ = 0, beta_ = 0;        // ‖r‖², β: of the move that comes before the next sweep
+  // Accelerated: z and the state of an operator before the last pair, and where that began.
+  Vector before_, ahead_, state_before_, state_ahead_;
+  double momentum_ = 1;  // θ
 };
 
 }  // namespace orthant

@@ -28,7 +28,7 @@ std::unique_ptr<Solver> Pgs::for_discs() const {
 std::unique_ptr<Solver> Nncg::for_discs() const {
   return std::make_unique<ConePgs>(ConePgs::Options{.tolerance = options_.tolerance,
                                                     .max_sweeps = options_.max_sweeps,
-                                                    .conjugate = true,
+                                                    .accelerated = true,
                                                     .threads = options_.threads});
 }
 

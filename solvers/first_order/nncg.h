@@ -5,7 +5,9 @@
 //     β = ‖r_k‖² / ‖r_{k−1}‖²;   β > 1: p = r_k (restart), else  z_k+1 = G(z_k) + β p,  p ← β p + r_k
 //   and the next sweep brings every row back within its bounds. Norms in the metric of the diagonal of A. An iteration
 //   is a sweep and O(n), since the state of a sweep follows z along p linearly: dense, sparse and Delassus storage
-//   alike. On friction discs G is a sweep of cone_sweeps.h, in its scaled numbers.
+//   alike.
+//   On friction discs: pairs of sweeps with Nesterov's momentum (cones/cone_pgs.h), as sweeps in one direction are no
+//   gradient there.
 //   Superlinear in practice until the active set is found, no proof; the violation is not monotone. Bounds, friction
 //   and ends as pgs.h; the z that is judged is one that a sweep has just left.
 //   Source: Silcowitz-Hansen, Niebe & Erleben, The Visual Computer 26 (2010) 893-901.
