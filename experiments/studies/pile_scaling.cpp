@@ -2,7 +2,7 @@
 //
 // Each pile settles; `--by` solves its steps. Two Markdown tables. The first has, of the last steps: sweeps (or other
 // iterations of the solver), processor time per contact of a whole step, memory per body (scene, system, integrator)
-// and per contact (all that steps add), the peak of the process, the residual as a share of g h, and the largest overlap.
+// and per contact (all that steps add), the peak of the process, the residual as a share of g h, the largest overlap.
 // With several numbers of threads the last steps take them by turns, on one motion, and wall times follow. Below it
 // stands the slope of each quantity in a log-log fit over the number of contacts. The second table has each solver's
 // time on the last step's problem, from a cold start, until the judge accepts a residual (relative to the problem's

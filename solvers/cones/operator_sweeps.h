@@ -1,4 +1,4 @@
-// solvers/cones/operator_sweeps.h — block Gauss-Seidel on an operator that is never formed, in domains that threads share.
+// solvers/cones/operator_sweeps.h — block Gauss-Seidel on an operator that is never formed, in domains for threads.
 //
 //   The sweeps of cone_sweeps.h for A' = D (W M⁻¹ Wᵀ + R) D. The state u = M⁻¹ Wᵀ z follows each change of z:
 //     q_c = w_c − A'_cc z'_c,  w_c = D (W_c u + R z + b);   u ← u + M⁻¹ W_cᵀ Δz_c.
