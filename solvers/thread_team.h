@@ -1,8 +1,8 @@
 // solvers/thread_team.h — thread team: tasks of one loop shared by threads inside a solver.
 //
 //   run(count, work) calls work(task) once for each task < count and returns when all are done. Which thread takes
-//   which task is not fixed, so tasks that run together may write only data of their own: then results have the same bits
-//   with any number of threads. A team of one runs the loop itself. A hand-over costs some microseconds.
+//   which task is not fixed, so tasks that run together may write only data of their own: then results have the same
+//   bits with any number of threads. A team of one runs the loop itself. A hand-over costs some microseconds.
 #pragma once
 
 #include <atomic>

@@ -2,10 +2,10 @@
 //
 //   Sweeps as in cone_sweeps.h, relaxed by ω, forward or forward and backward in turn. Safeguard: where ten sweeps of ω
 //   > 1 leave the residual larger, ω falls to 1.
-//   accelerated: a pair of sweeps G, forward and backward, acts like a gradient step in a metric of its own; Nesterov's
-//   momentum y = z + β (z − z_before), z ← G(y), β = (θ − 1) / θ⁺, θ⁺ = (1 + √(1 + 4 θ²)) / 2, begins again (θ = 1)
-//   where it leads uphill, ⟨y − z⁺, z⁺ − z⟩ > 0. Where sweeps alone take a number that grows like the square of a stack's
-//   height, these take one that grows like the height. An iteration is a pair.
+//   accelerated: a pair of sweeps G, forward and backward, acts like a gradient step in a metric of its own;
+//   Nesterov's momentum y = z + β (z − z_before), z ← G(y), β = (θ − 1) / θ⁺, θ⁺ = (1 + √(1 + 4 θ²)) / 2, begins
+//   again (θ = 1) where it leads uphill, ⟨y − z⁺, z⁺ − z⟩ > 0. Where sweeps alone take a number that grows like the
+//   square of a stack's height, these take one that grows like the height. An iteration is a pair.
 //   Operators of many rows are swept unformed, by several threads (operator_sweeps.h). The residual costs half a sweep
 //   there: it is found after the first sweep, after every kLook, and where the changes of z promise the end.
 //   Source of the momentum: O'Donoghue & Candès, Found. Comput. Math. 15 (2015) 715-732.

@@ -1,9 +1,10 @@
 // solvers/cones/sweep_domains.h — domains and colours of an operator's contacts: order of a sweep that threads share.
 //
-//   Nodes are the columns of W that always occur together (the six velocities of a body): equal sets of rows, compared
-//   by a hash of them. Contacts are gathered into domains of up to kContacts, breadth first over common nodes, so that
-//   a domain is compact in space and stays in the cache. Domains without a common node may share a colour; a sweep visits
-//   colour by colour. Domains of one colour write different velocities: any number of threads gives the same bits.
+//   Nodes are the columns of W that always occur together (the six velocities of a body): equal sets of rows,
+//   compared by a hash of them. Contacts are gathered into domains of up to kContacts, breadth first over common
+//   nodes, so that a domain is compact in space and stays in the cache. Domains without a common node may share a
+//   colour; a sweep visits colour by colour. Domains of one colour write different velocities: any number of threads
+//   gives the same bits.
 //   Fewer than kAlone contacts are one domain, in the problem's order.
 //   O(entries of W). Equal hashes of different sets would make a node larger than needed, which is harmless.
 // Source: Davis, Direct Methods for Sparse Linear Systems (2006), ch. 7 (breadth-first search); Saad, Iterative Methods
