@@ -44,6 +44,7 @@ TEST_CASE("the judge rejects a known unique solution with one entry moved by a m
       z[i] += 1e-6 * (k.z.lpNorm<Eigen::Infinity>() + 1);
       INFO(k.name, ", entry ", i);
       CHECK(verdict(k.problem, z) != Status::solved);
+      CHECK(verdict(k.problem, z) != Status::rounded);
     }
   }
 }
@@ -85,6 +86,11 @@ TEST_CASE("a row of small numbers is not met because others have large ones") {
   coupled.b[1] = 2e11;
   CHECK(verdict(coupled, Vector{0, 0.5, 1e11}) == Status::solved);
   CHECK(verdict(coupled, Vector{0, 0.49, 1e11}) != Status::solved);
+  // w₁ = −1 next to z₂ and z₃ that cancel; the large data of z₄ hardly enter row 1
+  const Eigen::Matrix4d B{{0, 1, -1, 1e-30}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 1}};
+  const Lcp cancelled = Lcp::standard(DenseMatrix(B), Vector{-1, 0, 0, -1e11});
+  CHECK(verdict(cancelled, Vector{0, 1e15, 1e15, 1e11}) != Status::solved);
+  CHECK(verdict(as_sparse(cancelled), Vector{0, 1e15, 1e15, 1e11}) != Status::solved);
 }
 
 TEST_CASE("a runaway z is not a solution next to a row of large numbers either") {

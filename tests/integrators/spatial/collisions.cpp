@@ -38,6 +38,27 @@ double moved(const SpatialSystem& system, const State& x) {
 
 }  // namespace
 
+TEST_CASE("the search finds a pair that the way of its bodies can close, by translation or by rotation") {
+  spatial::Scene s;
+  s.collision({.name = "rods",
+               .shapes = {{s.body({.name = "rod"}), {{-1, 0, 0}, {1, 0, 0}}, 0.01},
+                          {s.body({.name = "ball", .position = {0, 0, 0.5}}), {{0, 0, 0}}, 0.01}},
+               .law = {}});
+  const SpatialSystem system(s);
+  TermsOf<Spatial> terms(system);
+  set_poses(system, 0, system.initial_state().q, terms.at);
+  const auto found = [&](Index entry, double way) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(system.dof());
+    all[entry] = way;
+    REQUIRE(BroadPhaseOf<Spatial>(system).find(all, terms));
+    return std::ranges::any_of(terms.pairs, [](const Pair& pair) { return !pair.none(); });
+  };
+  CHECK(!found(2, 0.3));
+  CHECK(found(2, 0.6));  // [m] up
+  CHECK(!found(4, 0.2));
+  CHECK(found(4, 0.6));  // [rad] about y: its ends rise by as many metres
+}
+
 TEST_CASE("the search finds the pairs that a look at all of them finds, spheres, capsules and boxes of any size") {
   Random random(7);
   const auto draw = [&] { return random.uniform(-1, 1); };
