@@ -73,7 +73,9 @@ struct SpaceKind {
                    .orientation = {std::cos(angle / 2), 0, -std::sin(angle / 2), 0}});
   }
   static BodyId knot(Scene& s, double x, double up, const Vector2d& v) {
-    return s.body({.mass = 1, .inertia = 0.01 * Eigen::Matrix3d::Identity(), .position = {x, 0, up},
+    return s.body({.mass = 1,
+                   .inertia = 0.01 * Eigen::Matrix3d::Identity(),
+                   .position = {x, 0, up},
                    .velocity = {0, v.x() + v.y(), 0}});  // out of the net
   }
   static void hinge(Scene& s, BodyId a, double end, BodyId b, double x, double up) {
@@ -218,7 +220,8 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--time-limit", plan.limit, "of a case [s]")->check(between(1e-3, 1e6))->capture_default_str();
   if (const auto end = parse(app, argc, argv)) return *end;
-  std::cout << "| mechanism | dimension | integrator | bodies | step, µs a body | start, µs a body | memory, kB a body | "
+  std::cout << "| mechanism | dimension | integrator | bodies | step, µs a body | start, µs a body | "
+               "memory, kB a body | "
                "joints | growth |\n|---|---|---|---|---|---|---|---|---|\n"
             << std::setprecision(3);
   for (const int dimension : plan.dimensions)

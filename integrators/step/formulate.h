@@ -15,8 +15,9 @@
 //   Bodies that do not act on one another in the step are solved separately, one problem per island (islands.h). The
 //   answer equals that of the whole problem to rounding. With a pool large islands are solved at the same time.
 //   problem() forms the whole problem.
-// The parts: rows, bounds and targets (step_problem.h), the first guess (contact_guess.h), the solve by islands (island_solve.h), contacts that joints
-// immobilise (rank_deficiency.h), and the message where there is no solution (no_solution_message.h).
+// The parts: rows, bounds and targets (step_problem.h), the first guess (contact_guess.h), the solve by islands
+// (island_solve.h), contacts that joints immobilise (rank_deficiency.h), and the message where there is no solution
+// (no_solution_message.h).
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the
 // coordinate.
 // Friction, by Cone:
@@ -83,8 +84,8 @@ template <class Space> class FormulationOf {
   /// impulses that the rows leave open are shared evenly (solvers/even_share.h).
   void refine() { islands_.refine(), precise_ = true; }
 
-  /// Finds z, from the last one as the first guess (contact_guess.h); true: solved, or nothing to solve. Large islands are shared
-  /// with the pool, if there is one: the answer is the same to the last bit.
+  /// Finds z, from the last one as the first guess (contact_guess.h); true: solved, or nothing to solve. Large
+  /// islands are shared with the pool, if there is one: the answer is the same to the last bit.
   bool solve(Solver& solver, StepReport& report, SolverPool* pool = nullptr);
 
   /// In words, why there is no solution; empty: there is no such proof (no_solution_message.h).

@@ -3,8 +3,8 @@
 //   contact_record FILE INTEGRATOR SOLVER STEP DURATION
 //
 //   JSON: seconds (processor time of the steps alone), steps, velocities before and after the last step, poses at which
-//   it has its rows and after it, and its contacts: bodies a and b (−1: the ground), point on a, point on b, normal to a,
-//   impulse on a [N s], gap.
+//   it has its rows and after it, and its contacts: bodies a and b (−1: the ground), point on a, point on b, normal
+//   to a, impulse on a [N s], gap.
 #include "experiments/support/clock.h"
 
 #include <orthant/core/scenes/registry.h>
