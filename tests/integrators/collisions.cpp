@@ -1,16 +1,10 @@
 // Collisions in motion: the answer of all pairs listed, by every stepper.
 #include "tests/support/allocations.h"
 #include "tests/support/runs.h"
-#include "tests/support/spatial.h"
 
 #include <orthant/core/scenes/pile.h>
-#include <orthant/core/scenes/spheres.h>
-#include <orthant/integrators/registry.h>
-#include <orthant/solvers/registry.h>
 
 #include <doctest/doctest.h>
-
-#include <malloc.h>
 
 using namespace orthant;
 
@@ -94,56 +88,4 @@ TEST_CASE("collisions allocate nothing once the pile lies, and sleeping keeps ea
     CHECK(floor <= weight * (1 + 1e-6));  // the walls bear some of it
     CHECK(floor > 0.5 * weight);
   }
-}
-
-namespace {
-
-std::size_t bytes_in_use() {
-  const auto heap = mallinfo2();
-  return heap.uordblks + heap.hblkhd;
-}
-
-struct PourCost {
-  double bytes = 0;        // a body, with its contacts
-  double allocations = 0;  // a step, of the last ones
-  double contacts = 0;     // a body
-  int sweeps = 0;          // of the last step, warm and cold
-  int cold_sweeps = 0;
-};
-
-/// A packing of spheres that settles for some steps.
-PourCost poured(int count) {
-  PourCost cost;
-  const std::size_t before = bytes_in_use();
-  const SpatialSystem system(pour({.count = count, .apart = 1.01, .spread = 0.01}));
-  const auto scheme = make_integrator("moreau-jean", system);
-  const auto solver = make_solver("psor:tolerance=1e-4");
-  State x = system.initial_state();
-  for (int k = 0; k < 60; ++k) REQUIRE(scheme->step(2e-3, *solver, x).status == Status::solved);
-  const std::size_t allocations = AllocationCount::now();
-  for (int k = 0; k < 10; ++k) REQUIRE(scheme->step(2e-3, *solver, x).status == Status::solved);
-  cost.allocations = static_cast<double>(AllocationCount::now() - allocations) / 10;
-  cost.bytes = static_cast<double>(bytes_in_use() - before) / count;
-  cost.contacts = static_cast<double>(scheme->problem().friction.size()) / count;
-  const auto fresh = make_integrator("moreau-jean", system);
-  State same = x;
-  cost.sweeps = scheme->step(2e-3, *solver, x).lcp_iterations;
-  cost.cold_sweeps = fresh->step(2e-3, *solver, same).lcp_iterations;
-  return cost;
-}
-
-}  // namespace
-
-TEST_CASE(
-    "memory and allocations of a pile grow no faster than its bodies, and a step starts from its contacts' impulses") {
-  const PourCost few = poured(700), many = poured(2800);
-  CAPTURE(few.contacts);
-  CHECK(many.contacts > 2.5);
-  CHECK(many.contacts == doctest::Approx(few.contacts).epsilon(0.3));
-  MESSAGE("bytes a body ", few.bytes, " and ", many.bytes, ", allocations a step ", few.allocations, " and ",
-          many.allocations, ", sweeps ", many.sweeps, ", from zero ", many.cold_sweeps);
-  CHECK(many.bytes < 1.15 * few.bytes);
-  CHECK(many.bytes < 14000);
-  CHECK(many.allocations <= few.allocations + 20);
-  CHECK(2 * many.sweeps <= many.cold_sweeps);
 }
