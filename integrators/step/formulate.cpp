@@ -21,7 +21,6 @@ template <class Space> void FormulationOf<Space>::formulate(const Terms& terms, 
   };
   collect();
   if (deficiency_.find(problem_)) collect();
-  guess_.carry(problem_, terms.pairs, system_.listed(), std::ssize(problem_.rows()), solution_.z);
   retarget(targets, v_free, joint_rate);
 }
 

@@ -15,9 +15,8 @@
 //   Bodies that do not act on one another in the step are solved separately, one problem per island (islands.h). The
 //   answer equals that of the whole problem to rounding. With a pool large islands are solved at the same time.
 //   problem() forms the whole problem.
-// The parts: rows, bounds and targets (step_problem.h), the first guess (contact_guess.h), the solve by islands
-// (island_solve.h), contacts that joints immobilise (rank_deficiency.h), and the message where there is no solution
-// (no_solution_message.h).
+// The parts: rows, bounds and targets (step_problem.h), the solve by islands (island_solve.h), contacts that joints
+// immobilise (rank_deficiency.h), and the message where there is no solution (no_solution_message.h).
 // Dry friction in joints (joint_friction.h): box rows −h bound ≤ Λ ≤ h bound after all others, w = the rate of the
 // coordinate.
 // Friction, by Cone:
@@ -29,7 +28,6 @@
 // Source: Brogliato & Acary (2008), ch. 10; Glocker, Set-Valued Force Laws (2001); Anitescu, Math. Program. 105 (2006).
 #pragma once
 
-#include <orthant/integrators/step/contact_guess.h>
 #include <orthant/integrators/step/island_solve.h>
 #include <orthant/integrators/step/spatial_rank_deficiency.h>
 #include <orthant/solvers/even_share.h>
@@ -84,8 +82,8 @@ template <class Space> class FormulationOf {
   /// impulses that the rows leave open are shared evenly (solvers/even_share.h).
   void refine() { islands_.refine(), precise_ = true; }
 
-  /// Finds z, from the last one as the first guess (contact_guess.h); true: solved, or nothing to solve. Large
-  /// islands are shared with the pool, if there is one: the answer is the same to the last bit.
+  /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
+  /// with the pool, if there is one: the answer is the same to the last bit.
   bool solve(Solver& solver, StepReport& report, SolverPool* pool = nullptr);
 
   /// In words, why there is no solution; empty: there is no such proof (no_solution_message.h).
@@ -103,8 +101,8 @@ template <class Space> class FormulationOf {
   const Solution& solution() const { return solution_; }
   /// Its rows, without the matrix.
   const StepProblemOf<Space>& step_problem() const { return problem_; }
-  void remember(CheckpointData& memory) { memory(solution_.z, guess_); }  // for the next guess
-  void clear() { problem_.clear(); }                                      // no problem, until the next is built
+  void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
+  void clear() { problem_.clear(); }                              // no problem, until the next is built
 
   /// The impulse of dry friction i of the scene, where it has rows.
   double joint_friction(std::size_t i) const { return solution_.z[problem_.friction_row(i)]; }
@@ -124,7 +122,6 @@ template <class Space> class FormulationOf {
   RankDeficiencyOf<Space> deficiency_;
   EvenShare even_share_;
   Solution solution_;
-  ContactGuess<Space> guess_;
   const Terms* terms_ = nullptr;  // last formulated, for names
   bool friction_wins_ = false, precise_ = false;
 };
