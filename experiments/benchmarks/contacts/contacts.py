@@ -88,7 +88,7 @@ def started(arguments, question, limit):
 
 
 def reference_of(arguments, size):
-    return started(arguments, {"reference": size}, arguments.time_limit)
+    return started(arguments, {"chain of": size}, arguments.time_limit)
 
 
 def cases(arguments, sizes):
@@ -198,8 +198,8 @@ def answer(arguments):
     try:
         if "settings" in question:
             said = list(model(question["settings"], arguments.orthant).settings(question["scene"]))
-        elif "reference" in question:
-            run = model("orthant", arguments.orthant).run(SCENES["chain"](question["reference"]), "adaptive", 1e-12)
+        elif "chain of" in question:
+            run = model("orthant", arguments.orthant).run(SCENES["chain"](question["chain of"]), "adaptive", 1e-4)
             said = achieved.tip(run["after"]).tolist()
         else:
             said = one_case(question, arguments.orthant)
