@@ -196,7 +196,7 @@ TEST_CASE("cones: domains hold each contact once, one colour's share no velocity
     answers.push_back(z);
   }
   CHECK(residuals[0] < 0.5);
-  for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) CHECK((answers[k] == answers[0] && residuals[k] == residuals[0]));
+  for (const std::size_t k : {1U, 2U}) CHECK((answers[k] == answers[0] && residuals[k] == residuals[0]));
   for (const std::string spec : {"pgs", "psor", "sgs", "nncg"}) {
     CAPTURE(spec);
     Solution one, two;

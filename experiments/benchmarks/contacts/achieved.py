@@ -1,6 +1,6 @@
 """What a program achieved: measures that are the same for all, from states and impulses that it reports.
 
-moved         stack, tower: the largest way of a corner from where it began, over the least edge. The exact motion is none
+moved         stack, tower: the largest way of a corner from where it began, over the least edge; exactly 0
 error         chain: the end of the last rod against a reference, over the chain's length
 overlap       pile: the largest overlap of two spheres or a wall, over the radius
 law           what the impulses of the last step miss of Signorini's and Coulomb's laws, as the natural map of

@@ -11,7 +11,8 @@ time of the steps, per second of motion.
 
 Writes contacts.csv, contacts.md and contacts.png, contacts.svg.
 
-    build/peers/python/bin/python experiments/benchmarks/contacts/contacts.py --orthant build/release --output results/peers
+    build/peers/python/bin/python experiments/benchmarks/contacts/contacts.py --orthant build/release \
+      --output results/peers
 """
 import argparse
 import csv
@@ -76,8 +77,8 @@ def started(arguments, question, limit):
     """What a process of its own answers to `question` (JSON); raises with its last words."""
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONWARNINGS": "ignore"}
     try:
-        done = subprocess.run([sys.executable, __file__, "--orthant", arguments.orthant, "--case", json.dumps(question)],
-                              capture_output=True, text=True, timeout=limit, env=environment)
+        command = [sys.executable, __file__, "--orthant", arguments.orthant, "--case", json.dumps(question)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, env=environment)
     except subprocess.TimeoutExpired:
         raise RuntimeError(f"more than {limit:g} s") from None
     answer = [line for line in done.stdout.splitlines() if line.startswith("ANSWER ")]
@@ -151,8 +152,8 @@ def table(rows):
                            if (c := cheapest([row for row in own if (row["program"], row["setting"]) == ("orthant", s)],
                                              goal))), key=lambda row: row["seconds"], default=None) for goal in goals}
         extra = {"pile": ["law", "overlap"], "chain": ["joints", "energy"]}.get(name, ["law"])
-        lines += [f"\n`{name}` of {own[0]['size']}: milliseconds a second of motion (of a step; times Orthant's best) to an "
-                  f"error ({MEASURE[name]})\n",
+        lines += [f"\n`{name}` of {own[0]['size']}: milliseconds a second of motion (of a step; times Orthant's best) to "
+                  f"an error ({MEASURE[name]})\n",
                   "| program | setting | least error | " + " | ".join(f"to {g:g}" for g in goals) + " | least " +
                   " | least ".join(extra) + " | failed |", "|---" * (len(goals) + len(extra) + 4) + "|"]
         for key in dict.fromkeys((row["program"], row["setting"]) for row in own):

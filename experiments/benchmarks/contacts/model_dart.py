@@ -1,8 +1,8 @@
-"""DART (dartpy): rigid contacts, velocities by a boxed LCP (friction of two directions) or its solvers of the exact cone.
+"""DART (dartpy): rigid contacts, velocities by a boxed LCP (friction of two directions) or by solvers of the cone.
 
 By its defaults (Dantzig's method; boxes as meshes), with DART's own collisions of boxes ("native"), and with these by
-its matrix-free sweeps ("sweeps"), by Gauss-Seidel on the cone ("nsgs"), or by forward-backward splitting ("fbf"). Without sleeping. The
-chain has joint coordinates.
+its matrix-free sweeps ("sweeps"), by Gauss-Seidel on the cone ("nsgs"), or by forward-backward splitting ("fbf").
+Without sleeping. The chain has joint coordinates.
 """
 import time
 
@@ -111,15 +111,17 @@ class Model:
 
     @staticmethod
     def pose(bodies):
-        return Pose(np.array([b.getCOM() for b in bodies]), np.array([b.getWorldTransform().rotation() for b in bodies]),
+        return Pose(np.array([b.getCOM() for b in bodies]),
+                    np.array([b.getWorldTransform().rotation() for b in bodies]),
                     np.array([b.getCOMLinearVelocity() for b in bodies]),
                     np.array([b.getAngularVelocity() for b in bodies]))
 
     @staticmethod
     def contacts(world, h):
         def number(thing):
-            name = thing.getShapeFrame().getBodyNodePtr().getName() if hasattr(
-                thing.getShapeFrame(), "getBodyNodePtr") else thing.getShapeFrame().asShapeNode().getBodyNodePtr().getName()
+            frame = thing.getShapeFrame()
+            node = frame if hasattr(frame, "getBodyNodePtr") else frame.asShapeNode()
+            name = node.getBodyNodePtr().getName()
             return int(name[1:]) if name.startswith("b") else -1
         return [Contact(number(c.collisionObject1), number(c.collisionObject2), np.array(c.point), np.array(c.normal),
                         h * np.array(c.force), -c.penetrationDepth)

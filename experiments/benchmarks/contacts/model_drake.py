@@ -8,8 +8,8 @@ import time
 
 import numpy as np
 from pydrake.all import (AddCompliantHydroelasticProperties, AddContactMaterial, AddMultibodyPlantSceneGraph,
-                         AddRigidHydroelasticProperties, ApplySimulatorConfig, BallRpyJoint, Box, ContactModel, CoulombFriction,
-                         DiagramBuilder, DiscreteContactApproximation, FixedOffsetFrame, HalfSpace, MultibodyPlant,
+                         AddRigidHydroelasticProperties, ApplySimulatorConfig, BallRpyJoint, Box, ContactModel,
+                         CoulombFriction, DiagramBuilder, DiscreteContactApproximation, FixedOffsetFrame, HalfSpace, MultibodyPlant,
                          ProximityProperties, RigidTransform, RotationMatrix, Simulator, SimulatorConfig,
                          SpatialInertia, Sphere, UnitInertia)
 
@@ -119,4 +119,5 @@ class Model:
         simulator.AdvanceTo(scene.duration)
         seconds = time.thread_time() - begin
         after = self.pose(plant, context, rods)
-        return {"h": at, "seconds": seconds, "steps": simulator.get_integrator().get_num_steps_taken(), "before": after, "after": after}
+        steps = simulator.get_integrator().get_num_steps_taken()
+        return {"h": at, "seconds": seconds, "steps": steps, "before": after, "after": after}

@@ -35,8 +35,8 @@ class Model:
             kind, *size = b.shape
             size = size if kind == "sphere" else np.array(size) / 2
             parts.append(
-                f'<body pos="{text(b.place)}" euler="0 0 {b.turn!r}"><freejoint/><inertial pos="0 0 0" mass="{b.mass!r}" '
-                f'diaginertia="{text(b.moments)}"/><geom type="{kind}" size="{text(size)}" {contact}/></body>')
+                f'<body pos="{text(b.place)}" euler="0 0 {b.turn!r}"><freejoint/>'
+                f'<inertial pos="0 0 0" mass="{b.mass!r}" diaginertia="{text(b.moments)}"/><geom type="{kind}" size="{text(size)}" {contact}/></body>')
         return OPTIONS[setting], "".join(parts)
 
     @staticmethod
