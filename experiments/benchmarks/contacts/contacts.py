@@ -11,7 +11,7 @@ time of the steps, per second of motion.
 
 Writes contacts.csv, contacts.md and contacts.png, contacts.svg.
 
-    build/peers/python/bin/python experiments/benchmarks/contacts/contacts.py --orthant build/release \
+    build/peers/python/bin/python experiments/benchmarks/contacts/contacts.py --orthant build/release \\
       --output results/peers
 """
 import argparse
@@ -152,8 +152,8 @@ def table(rows):
                            if (c := cheapest([row for row in own if (row["program"], row["setting"]) == ("orthant", s)],
                                              goal))), key=lambda row: row["seconds"], default=None) for goal in goals}
         extra = {"pile": ["law", "overlap"], "chain": ["joints", "energy"]}.get(name, ["law"])
-        lines += [f"\n`{name}` of {own[0]['size']}: milliseconds a second of motion (of a step; times Orthant's best) to "
-                  f"an error ({MEASURE[name]})\n",
+        lines += [f"\n`{name}` of {own[0]['size']}: milliseconds a second of motion (of a step; times Orthant's best) "
+                  f"to an error ({MEASURE[name]})\n",
                   "| program | setting | least error | " + " | ".join(f"to {g:g}" for g in goals) + " | least " +
                   " | least ".join(extra) + " | failed |", "|---" * (len(goals) + len(extra) + 4) + "|"]
         for key in dict.fromkeys((row["program"], row["setting"]) for row in own):

@@ -9,7 +9,8 @@ import time
 import numpy as np
 from pydrake.all import (AddCompliantHydroelasticProperties, AddContactMaterial, AddMultibodyPlantSceneGraph,
                          AddRigidHydroelasticProperties, ApplySimulatorConfig, BallRpyJoint, Box, ContactModel,
-                         CoulombFriction, DiagramBuilder, DiscreteContactApproximation, FixedOffsetFrame, HalfSpace, MultibodyPlant,
+                         CoulombFriction,
+                         DiagramBuilder, DiscreteContactApproximation, FixedOffsetFrame, HalfSpace, MultibodyPlant,
                          ProximityProperties, RigidTransform, RotationMatrix, Simulator, SimulatorConfig,
                          SpatialInertia, Sphere, UnitInertia)
 

@@ -36,7 +36,8 @@ class Model:
             size = size if kind == "sphere" else np.array(size) / 2
             parts.append(
                 f'<body pos="{text(b.place)}" euler="0 0 {b.turn!r}"><freejoint/>'
-                f'<inertial pos="0 0 0" mass="{b.mass!r}" diaginertia="{text(b.moments)}"/><geom type="{kind}" size="{text(size)}" {contact}/></body>')
+                f'<inertial pos="0 0 0" mass="{b.mass!r}" diaginertia="{text(b.moments)}"/>'
+                f'<geom type="{kind}" size="{text(size)}" {contact}/></body>')
         return OPTIONS[setting], "".join(parts)
 
     @staticmethod
