@@ -24,26 +24,35 @@ def figure(x):
     return "0" if x == 0 else f"{x:.1e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 
-def failures(rows):
-    """Neighbours that ended alike as a range."""
+def ranges(rows, what):
+    """(first value, last value, what they have in common) of neighbours alike; what(row) is empty: left out."""
     groups = []
     for k, row in enumerate(rows):
-        if row["end"] == "solved":
+        if not what(row):
             continue
-        if groups and groups[-1][2] == row["end"] and groups[-1][3] == k - 1:
+        if groups and groups[-1][2] == what(row) and groups[-1][3] == k - 1:
             groups[-1][1], groups[-1][3] = row["value"], k
         else:
-            groups.append([row["value"], row["value"], row["end"], k])
-    return "; ".join((decade(a) if a == b else f"{decade(a)} to {decade(b)}") + f": `{end}`" for a, b, end, _ in groups)
+            groups.append([row["value"], row["value"], what(row), k])
+    return [(decade(a) if a == b else f"{decade(a)} to {decade(b)}", common) for a, b, common, _ in groups]
 
 
-def line(integrator, rows):
+def failures(rows):
+    return "; ".join(f"{values}: `{end}`" for values, end in ranges(rows, lambda r: r["end"].replace("solved", "")))
+
+
+def warnings(rows):
+    """Of runs that ended as solved."""
+    return ", ".join(values for values, _ in ranges(rows, lambda r: r["end"] == "solved" and r["warned"] == "yes"))
+
+
+def line(integrator, rows, tells):
     solved = [row for row in rows if row["end"] == "solved"]
     ends = [figure(float(r["error"])) if r["end"] == "solved" else "–" for r in (rows[0], rows[-1])]
     worst = [figure(max((float(r[key]) for r in solved), default=0)) for key in ("error", "drift", "penetration")]
     seconds = figure(sum(float(r["seconds"]) for r in solved))
     cells = [f"`{integrator}`", *ends, *(worst if solved else ["–"] * 3), seconds if solved else "–"]
-    return "| " + " | ".join([*cells, failures(rows) or "–"]) + " |\n"
+    return "| " + " | ".join([*cells, *([warnings(rows) or "–"] if tells else []), failures(rows) or "–"]) + " |\n"
 
 
 def tables():
@@ -58,8 +67,10 @@ def tables():
         title = study[0].upper() + study[1:]
         text += f"\n### {title}: {first} to {last}\n\n"
         text += f"| integrator | error at {first} | at {last} | worst [{UNITS.get(study, '1')}] | drift [m] | "
-        text += "penetration [m] | time [s] | not solved |\n|---|---|---|---|---|---|---|---|\n"
-        text += "".join(line(integrator, rows) for integrator, rows in by_integrator.items())
+        tells = all(row["warned"] for rows in by_integrator.values() for row in rows)
+        text += "penetration [m] | time [s] |" + (" warned |" if tells else "") + " not solved |\n"
+        text += "|---|---|---|---|---|---|---|---|" + ("---|" if tells else "") + "\n"
+        text += "".join(line(integrator, rows, tells) for integrator, rows in by_integrator.items())
     return text + "\n"
 
 
