@@ -59,8 +59,8 @@ Json contacts_of(const IntegratorOf<Spatial>& integrator, double t, const Eigen:
                           impulse.tangent.second * spatial::direction_of(rows.tangents[1]);
     // Listed contacts act at one point of both bodies, searched ones at a point of each.
     const Vector3d on_a = i < system.listed() ? rows.point : Vector3d(rows.point + terms.gap[i] * n);
-    all.push_back({rows.normal.a, rows.normal.b, numbers(on_a), numbers(rows.point), numbers(n), numbers(push),
-                   terms.gap[i]});
+    all.push_back(
+        {rows.normal.a, rows.normal.b, numbers(on_a), numbers(rows.point), numbers(n), numbers(push), terms.gap[i]});
   }
   return all;
 }

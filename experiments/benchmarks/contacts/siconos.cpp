@@ -10,6 +10,7 @@
 
 #include <SiconosKernel.hpp>
 
+#include <SolverOptions.h>
 #include <ContactR.hpp>
 #include <KneeJointR.hpp>
 #include <RigidBodyDS.hpp>
@@ -17,7 +18,6 @@
 #include <SiconosCollisionManager.hpp>
 #include <SiconosContactor.hpp>
 #include <SiconosShape.hpp>
-#include <SolverOptions.h>
 
 #include <cmath>
 #include <cstdio>
@@ -96,8 +96,7 @@ World read(const std::string& path, double duration) {
       world.bodies.push_back(body);
     } else if (kind == "plane") {  // of the height 0 in its frame, along z
       const auto p = numbers(in, 7);
-      world.collisions->insertStaticContactorSet(contactors(std::make_shared<SiconosPlane>(), world.least),
-                                                 vector(p));
+      world.collisions->insertStaticContactorSet(contactors(std::make_shared<SiconosPlane>(), world.least), vector(p));
     } else if (kind == "joint") {
       const auto p = numbers(in, 5);
       const auto at = vector({p.begin() + 2, p.end()});
