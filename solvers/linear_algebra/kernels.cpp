@@ -15,9 +15,11 @@ ORTHANT_EVERY_WIDTH void add_multiple(double* __restrict x, double f, const doub
 
 namespace {
 
-// Eight numbers, in as many registers as they take.
-using Eight [[gnu::vector_size(64), gnu::aligned(8), gnu::may_alias]] = double;
-using Bits [[gnu::vector_size(64), gnu::aligned(8), gnu::may_alias]] = long long;
+// Four numbers: a register of AVX2. Of eight, GCC 12 stores halves and entries apart where registers are shorter, and
+// reads them as a whole: ten times as long for a tableau of 100 rows.
+constexpr Index kLanes = 4;
+using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
+using Bits [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = long long;
 
 /// Entries from … to − 1, one by one.
 void add_multiples_plainly(double* x, const double* f, int stride, const double* const* p, int count, Index from,
@@ -39,21 +41,21 @@ ORTHANT_EVERY_WIDTH void add_multiples(double* x, const double* f, const double*
   const Bits magnitude = Bits{} + 0x7fffffffffffffff;  // all but the signs
   constexpr Index kWide = 2;                           // so that one sum need not wait for the other
   Index i = 0;
-  for (; i + 8 * kWide <= size; i += 8 * kWide) {
-    Eight sum[kWide], most[kWide];
+  for (; i + kLanes * kWide <= size; i += kLanes * kWide) {
+    Four sum[kWide], most[kWide];
     for (Index k = 0; k < kWide; ++k) {
-      sum[k] = *reinterpret_cast<const Eight*>(x + i + 8 * k);
-      most[k] = reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[k]) & magnitude);
+      sum[k] = *reinterpret_cast<const Four*>(x + i + kLanes * k);
+      most[k] = reinterpret_cast<Four>(reinterpret_cast<Bits>(sum[k]) & magnitude);
     }
     for (int q = 0; q < count; ++q)
       for (Index k = 0; k < kWide; ++k) {
-        sum[k] += f[q] * *reinterpret_cast<const Eight*>(p[q] + i + 8 * k);
-        const Eight now = reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[k]) & magnitude);
+        sum[k] += f[q] * *reinterpret_cast<const Four*>(p[q] + i + kLanes * k);
+        const Four now = reinterpret_cast<Four>(reinterpret_cast<Bits>(sum[k]) & magnitude);
         most[k] = most[k] > now ? most[k] : now;
       }
     for (Index k = 0; k < kWide; ++k)
-      *reinterpret_cast<Eight*>(x + i + 8 * k) =
-          reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[k]) & magnitude) <= snap * most[k] ? Eight{} : sum[k];
+      *reinterpret_cast<Four*>(x + i + kLanes * k) =
+          reinterpret_cast<Four>(reinterpret_cast<Bits>(sum[k]) & magnitude) <= snap * most[k] ? Four{} : sum[k];
   }
   add_multiples_plainly(x, f, 1, p, count, i, size, snap);
 }
@@ -66,28 +68,28 @@ ORTHANT_EVERY_WIDTH void add_multiples_to_four(double* const* x, const double* f
   constexpr int kRows = 4;
   constexpr Index kWide = 2;
   Index i = 0;
-  for (; i + 8 * kWide <= size; i += 8 * kWide) {
-    Eight sum[kRows][kWide];
+  for (; i + kLanes * kWide <= size; i += kLanes * kWide) {
+    Four sum[kRows][kWide];
     for (int r = 0; r < kRows; ++r)
-      for (Index k = 0; k < kWide; ++k) sum[r][k] = *reinterpret_cast<const Eight*>(x[r] + i + 8 * k);
+      for (Index k = 0; k < kWide; ++k) sum[r][k] = *reinterpret_cast<const Four*>(x[r] + i + kLanes * k);
     for (int q = 0; q < count; ++q)
       for (Index k = 0; k < kWide; ++k) {
-        const Eight term = *reinterpret_cast<const Eight*>(p[q] + i + 8 * k);
+        const Four term = *reinterpret_cast<const Four*>(p[q] + i + kLanes * k);
         for (int r = 0; r < kRows; ++r) sum[r][k] += f[kRows * q + r] * term;
       }
     Bits small = {};
     for (int r = 0; r < kRows; ++r)
       for (Index k = 0; k < kWide; ++k) {
-        const Eight before = *reinterpret_cast<const Eight*>(x[r] + i + 8 * k);
-        const Eight most = reinterpret_cast<Eight>(reinterpret_cast<Bits>(before) & magnitude) + reach[r];
-        small |= (reinterpret_cast<Eight>(reinterpret_cast<Bits>(sum[r][k]) & magnitude) <= 2 * snap * most) &
+        const Four before = *reinterpret_cast<const Four*>(x[r] + i + kLanes * k);
+        const Four most = reinterpret_cast<Four>(reinterpret_cast<Bits>(before) & magnitude) + reach[r];
+        small |= (reinterpret_cast<Four>(reinterpret_cast<Bits>(sum[r][k]) & magnitude) <= 2 * snap * most) &
                  (sum[r][k] != 0);
       }
     long long any = 0;
-    for (int lane = 0; lane < 8; ++lane) any |= small[lane];
+    for (int lane = 0; lane < kLanes; ++lane) any |= small[lane];
     for (int r = 0; r < kRows; ++r) {
-      if (any != 0) add_multiples_plainly(x[r], f + r, kRows, p, count, i, i + 8 * kWide, snap);
-      for (Index k = 0; k < kWide && any == 0; ++k) *reinterpret_cast<Eight*>(x[r] + i + 8 * k) = sum[r][k];
+      if (any != 0) add_multiples_plainly(x[r], f + r, kRows, p, count, i, i + kLanes * kWide, snap);
+      for (Index k = 0; k < kWide && any == 0; ++k) *reinterpret_cast<Four*>(x[r] + i + kLanes * k) = sum[r][k];
     }
   }
   for (int r = 0; r < kRows; ++r) add_multiples_plainly(x[r], f + r, kRows, p, count, i, size, snap);
