@@ -210,13 +210,13 @@ TEST_CASE("the certificate handed out is a proof itself; data that contradict ea
   choice.seed = 2026, choice.grace = 30;
   // almost-singular: the doubles nearest to the exact proof stood for another vector, which is none.
   // family: a planted solution of singular rows, with b rounded.
+  long proofs = 0;  // of a problem in some runs only: within the solvers' time
   for (const std::uint64_t k : {10575U, 98333U, 5738U, 41620U}) {
     const StormTally tally = storm(choice, k, 1);
     for (const StormFault& f : tally.faults) FAIL_CHECK(f.k, " ", f.kind, ", ", f.solver, ": ", f.what, ": ", f.why);
-    long proofs = 0;
     for (const auto& [key, row] : tally.rows) proofs += row.exact + row.rounded;
-    CHECK(proofs > 0);
   }
+  CHECK(proofs > 10);
   const Lcp apart = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, -1}, {-1, 1}}), Vector{-1, 1 - 0x1p-50});
   const Finding finding = examine_proof(apart, Vector{1, 1});
   CHECK(finding.holds);
