@@ -116,8 +116,8 @@ def measure(arguments, sizes):
                     raise RuntimeError(f"more than {arguments.time_limit:g} s")
                 if case["scene"] == "chain" and reference is None:
                     reference = reference_of(arguments, sizes["chain"])
-                asked = case | {"reference": reference if case["scene"] == "chain" else None}
-                row |= {k: v for k, v in started(arguments, asked, arguments.time_limit).items() if v is not None}
+                complete = case | {"reference": reference if case["scene"] == "chain" else None}
+                row |= {k: v for k, v in started(arguments, complete, arguments.time_limit).items() if v is not None}
             except RuntimeError as error:
                 row["failure"] = str(error)
                 if "more than" in row["failure"]:

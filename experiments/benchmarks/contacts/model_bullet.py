@@ -100,10 +100,10 @@ class Model:
 
     @staticmethod
     def links(scene, body):
-        told = [p.getLinkState(body, i, 1, 1) for i in range(len(scene.bodies))]
-        return Pose(np.array([x[0] for x in told]),
-                    np.array([np.reshape(p.getMatrixFromQuaternion(x[1]), (3, 3)) for x in told]),
-                    np.array([x[6] for x in told]), np.array([x[7] for x in told]))
+        links = [p.getLinkState(body, i, 1, 1) for i in range(len(scene.bodies))]
+        return Pose(np.array([x[0] for x in links]),
+                    np.array([np.reshape(p.getMatrixFromQuaternion(x[1]), (3, 3)) for x in links]),
+                    np.array([x[6] for x in links]), np.array([x[7] for x in links]))
 
     @staticmethod
     def contacts(bodies, h):
