@@ -10,7 +10,8 @@ void append_force_slopes(const System& system, Terms& terms, const ForceShare& s
   RowSlope slope;
   for (std::size_t i = 0; i < scene.springs.size(); ++i) {
     const Row& row = terms.springs[i].row;
-    const auto [k, c] = std::visit([](const auto& s) { return std::pair{s.stiffness, s.damping}; }, scene.springs[i]);
+    const double k = std::visit([](const auto& s) { return s.stiffness; }, scene.springs[i]);
+    const double c = std::visit([](const auto& s) { return s.damping; }, scene.springs[i]);
     const double weight = share.stiffness_weight * k + share.damping_weight * c;
     slope_of(scene.springs[i], terms.at, slope);
     const double s = tau * terms.springs[i].tension + weight * apply(row, change.data());  // r has s rowᵀ
