@@ -194,9 +194,8 @@ TEST_CASE("metamorphic: a body that flies past at 1e9 m/s changes nothing, with 
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__
 // They cost 3 to 13 % alone on a machine; the bound leaves room for what else runs. Rows for them would cost 90 %.
-TEST_CASE("metamorphic: the time that they cost") {
+TEST_CASE("metamorphic: the time that they cost" * doctest::test_suite("slow")) {
   const auto seconds = [](const Scene& s) { return run(s, "moreau-jean", 1e-5).seconds; };
   Scene plain = slider_crank(kDrawing), more = furnished(slider_crank(kDrawing));
   plain.duration = more.duration = 0.02;
@@ -206,7 +205,6 @@ TEST_CASE("metamorphic: the time that they cost") {
   MESSAGE("a far body and four walls: " << least_more / least << " of the time");
   CHECK(least_more <= 1.3 * least);
 }
-#endif
 
 TEST_CASE("metamorphic: a frictionless contact written as a frictional one") {
   for_each_integrator([](const std::string& name, double same) {
