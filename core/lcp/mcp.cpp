@@ -97,7 +97,7 @@ Vector vanishing_place(const Mcp& p, Index i, Vector r, Vector z, double& value)
 
 /// The first row that passes only since F and J underflow at z (mcp.h).
 Miss underflown(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F, const Vector* start) {
-  constexpr double kNear = 1e-10;
+  constexpr double kSame = 1e-10;
   constexpr int kExponents[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512};
   constexpr int kPoints = static_cast<int>(std::size(kExponents));
   Vector size(F.cwiseAbs()), r, at;
@@ -113,7 +113,7 @@ Miss underflown(const Mcp& p, const Matrix& J, const Vector& z, const Vector& F,
       if (size[i] > kVanished || std::abs(value) <= kVanished) continue;
       const Vector place = vanishing_place(p, i, r, z, value);
       const double wrong = z[i] == p.lo[i] ? -value : z[i] == p.hi[i] ? value : std::abs(value);
-      const double near = kNear * std::max(z.lpNorm<Eigen::Infinity>(), r.lpNorm<Eigen::Infinity>());
+      const double near = kSame * std::max(z.lpNorm<Eigen::Infinity>(), r.lpNorm<Eigen::Infinity>());
       if (wrong > 0 && wrong < kVanishing && (place - z).lpNorm<Eigen::Infinity>() > near)
         return {.row = i, .against = Miss::Against::underflow, .by = std::abs(value), .allowed = 0, .tolerance = 0};
     }

@@ -21,7 +21,7 @@ Corners circle(const Vector2d& centre, double radius) {
 }
 
 /// By Andrew's monotone chain; fewer than three corners stay what they are.
-Corners convex_hull(Corners points) {
+Corners hull_of(Corners points) {
   const auto before = [](const Vector2d& p, const Vector2d& q) {
     return p.x() != q.x() ? p.x() < q.x() : p.y() < q.y();
   };
@@ -88,7 +88,7 @@ class Sketch {
 
   std::vector<Outline> finish() {
     for (const auto& [body, points] : corners_)
-      if (const Corners hull = convex_hull(points); hull.size() > 1) add(body, hull.size() > 2, hull);
+      if (const Corners hull = hull_of(points); hull.size() > 1) add(body, hull.size() > 2, hull);
     const double length = 1.5 * reach_;
     const auto walls = std::move(walls_);
     for (const Wall& w : walls) {

@@ -162,9 +162,9 @@ template <class Space> Index place_of_start(const SceneIn<Space>& scene, const s
 
 template <class Space>
 RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Space>& scene, const std::string& key) {
-  constexpr std::string_view kStart = "start.";
-  if (key.starts_with(kStart)) {
-    const Index place = place_of_start<Space>(scene, key.substr(kStart.size()));
+  constexpr std::string_view kOfStart = "start.";
+  if (key.starts_with(kOfStart)) {
+    const Index place = place_of_start<Space>(scene, key.substr(kOfStart.size()));
     if (place < 0)
       refuse_parameter(key, kPlanar<Space> ? "must be start.BODY.COLUMN, COLUMN of x, y, theta, vx, vy, omega"
                                            : "must be start.BODY.COLUMN, COLUMN of x, y, z, rx, ry, rz, vx, vy, vz, "

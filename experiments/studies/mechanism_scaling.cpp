@@ -1,17 +1,19 @@
-// Growth of the cost of a mechanism with its size: chains, trees and nets of joints in the plane and in space.
+// Growth of the cost of a mechanism with its size: chains, trees and nets of joints in the plane and in space, tracks.
 //
 //   chain  rods of 1 m and 1 kg, one after the other, released from the horizontal
 //   tree   the same, two at the end of each
 //   net    bodies of 1 kg in a square, each held by bars of 1 m to the next one in its row and the one above, the upper
 //          row by the ground; every body begins with some velocity
-// In space rods have ball joints, and nets may leave their plane. Joints: revolute or spherical, bars: distance. No
-// contacts, so a step is the evaluation of the joints, a factorization of the saddle matrix, its solves, and the
-// projection of positions onto the joints.
+//   track  a vehicle: links in a closed chain round two wheels, on the ground (studies/support/track.h); in the plane
+// In space rods have ball joints, and nets may leave their plane. Joints: revolute or spherical, bars: distance. Only
+// the track has contacts: else a step is the evaluation of the joints, a factorization of the saddle matrix, its solves,
+// and the projection of positions onto the joints.
 //
 // A Markdown table: processor time of a step per body, the median of the counted ones; that of the first step with the
 // integrator's construction (the order of elimination is found there, once) per body; memory at its peak per body, less
 // that of an empty process. Each case is a process of its own. The last column is the slope of ln(time of a step) over
 // ln(bodies) against the row before: 1 is linear.
+#include "experiments/studies/support/track.h"
 #include "experiments/support/between.h"
 #include "experiments/support/clock.h"
 #include "experiments/support/command_line.h"
@@ -34,6 +36,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 using namespace orthant;
@@ -126,6 +129,8 @@ template <class Kind> typename Kind::Scene net(int count) {
 }
 
 template <class Kind> typename Kind::Scene mechanism(const std::string& kind, int count) {
+  if constexpr (std::is_same_v<Kind, PlaneKind>)
+    if (kind == "track") return track({.links = std::max(24, 6 * ((count + 3) / 6))});
   return kind == "net" ? net<Kind>(count) : rods<Kind>(count, kind == "tree");
 }
 
@@ -167,7 +172,7 @@ template <class Kind> std::string measured(const std::string& kind, int count, c
 
 struct Plan {
   std::vector<int> dimensions{2, 3}, sizes{100, 1000, 10000, 100000};
-  std::vector<std::string> kinds{"chain", "tree", "net"}, schemes{"moreau-jean"};
+  std::vector<std::string> kinds{"chain", "tree", "net", "track"}, schemes{"moreau-jean"};
   int steps = 5;
   double limit = 600;  // of a case [s]
 };
@@ -205,14 +210,15 @@ std::pair<double, double> one_case(const Plan& plan, const std::string& kind, in
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app("Growth of the cost of chains, trees and nets of joints: time of a step and memory per body");
+  CLI::App app("Growth of the cost of chains, trees, nets and tracks: time of a step and memory per body");
   Plan plan;
   app.add_option("--dimensions", plan.dimensions, "2, 3")->check(CLI::IsMember({2, 3}))->capture_default_str();
   app.add_option("--kinds", plan.kinds, "of mechanisms")
-      ->check(CLI::IsMember({"chain", "tree", "net"}))
+      ->check(CLI::IsMember({"chain", "tree", "net", "track"}))
       ->capture_default_str();
   app.add_option("--integrators", plan.schemes, "with their options")->capture_default_str();
-  app.add_option("--sizes", plan.sizes, "numbers of bodies; of nets the nearest square")
+  app.add_option("--sizes", plan.sizes,
+                 "numbers of bodies; of nets the nearest square, of links the nearest multiple of 6")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
   app.add_option("--steps", plan.steps, "counted, after the first one")
@@ -227,6 +233,7 @@ int main(int argc, char** argv) try {
   for (const int dimension : plan.dimensions)
     for (const std::string& kind : plan.kinds)
       for (const std::string& scheme : plan.schemes) {
+        if (kind == "track" && dimension == 3) continue;
         std::pair<double, double> last{0, 0};
         for (const int size : plan.sizes) last = one_case(plan, kind, dimension, scheme, size, last);
       }

@@ -24,7 +24,7 @@ std::string short_number(double x) {
   return text;
 }
 
-constexpr std::size_t kMostListed = 3;  // settings in a sentence; of more it counts by value
+constexpr std::size_t kMostNamed = 3;   // settings in a sentence; of more it counts by value
 constexpr std::size_t kManyValues = 5;  // of a parameter that is followed
 
 /// How many runs did not end solved: by solver, or where there is one solver only by integrator.
@@ -88,7 +88,7 @@ std::string without_order(const Json& fits) {
   std::size_t count = 0;
   std::string shared, list;  // what all of them have, what each has
   for (const auto& [name, order] : best) {
-    if (order >= kNoOrder || ++count > kMostListed) continue;
+    if (order >= kNoOrder || ++count > kMostNamed) continue;
     const Json parameters = Json::parse(name);
     std::string setting;
     for (const auto& [key, value] : parameters.items()) {
@@ -102,7 +102,7 @@ std::string without_order(const Json& fits) {
   }
   if (!shared.empty()) list = shared + (list.empty() ? "" : " and " + list);
   if (count == 0) return "";
-  if (count > kMostListed) list = shares(best, values);
+  if (count > kMostNamed) list = shares(best, values);
   return "by no method does the error fall as fast as h^" + short_number(kNoOrder) + " for " + std::to_string(count) +
          " of " + std::to_string(best.size()) + " settings" + (list.empty() ? "" : ": " + list);
 }

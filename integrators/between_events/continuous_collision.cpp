@@ -8,14 +8,14 @@
 namespace orthant {
 namespace {
 
-constexpr double kBend = 0.25;       // [rad] in an interval that a polynomial stands for: errs by 5e-9 of the radius
-constexpr double kFine = 1.0 / 8;    // of the thinner shape, likewise: what moves in such an interval
-constexpr double kMisfit = 1e-10;    // of the size: edges smaller than that are not looked for
-constexpr double kSmooth = 1e-3;     // of the motion: a smaller misfit means a polynomial that errs by 1e-9 of it
-constexpr double kPassable = 0.25;   // of the size: what moves no farther does not come out on the other side
-constexpr double kShort = 1e-13;     // of the step: no shorter intervals
-constexpr int kKnots = 20000;        // of one contact and step: some 30 around each edge near zero
-constexpr int kMostKnots = 2000000;  // likewise of a custom contact: its whole way by its length
+constexpr double kBend = 0.25;         // [rad] in an interval that a polynomial stands for: errs by 5e-9 of the radius
+constexpr double kThinPart = 1.0 / 8;  // of the thinner shape, likewise: what moves in such an interval
+constexpr double kMisfit = 1e-10;      // of the size: edges smaller than that are not looked for
+constexpr double kSmooth = 1e-3;       // of the motion: a smaller misfit means a polynomial that errs by 1e-9 of it
+constexpr double kPassable = 0.25;     // of the size: what moves no farther does not come out on the other side
+constexpr double kShort = 1e-13;       // of the step: no shorter intervals
+constexpr int kKnots = 20000;          // of one contact and step: some 30 around each edge near zero
+constexpr int kMostKnots = 2000000;    // likewise of a custom contact: its whole way by its length
 
 double outermost(const Polygon& corners, const Vector2d& from) {
   double most = 0;
@@ -282,7 +282,7 @@ std::optional<Sign> ContinuousCollision::search(Search& s, const Knot& low, cons
   const Shape& shape = s.shape;
   const bool edged = shape.course == Course::edged || shape.course == Course::custom;
   const bool last = part <= kShort || s.left <= 0;
-  if (last || (s.turn * tau <= kBend && (!edged || way <= kFine * shape.size))) {
+  if (last || (s.turn * tau <= kBend && (!edged || way <= kThinPart * shape.size))) {
     const Sample &f = low.of, &g = high.of;
     const auto course = quintic(f.gap - s.shift, f.rate, f.acceleration, g.gap - s.shift, g.rate, g.acceleration, tau);
     bool trusted = last || shape.course == Course::straight;

@@ -15,9 +15,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kClosed = 1e-6;   // [m] gap of a contact that carries
-constexpr double kSticks = 1e-6;   // [m/s] slip
-constexpr double kRounded = 1e-7;  // relative: entries and pivots that count as zero
+constexpr double kCarrying = 1e-6;  // [m] gap of a contact that carries
+constexpr double kSticks = 1e-6;    // [m/s] slip
+constexpr double kRounded = 1e-7;   // relative: entries and pivots that count as zero
 template <class Space> class SharedLoad {
  public:
   explicit SharedLoad(const SceneOf<Space>& scene) : scene_(scene) {}
@@ -117,11 +117,11 @@ template <class Space> double left_open(const SceneOf<Space>& scene, const Trace
   VectorXd moves;
   for (std::size_t r = 0; r < trace.rows.size(); ++r) {
     if (!(trace.pressed[r] > 0)) continue;
-    double range = shared.range(trace.rows[r], kClosed, moves);
+    double range = shared.range(trace.rows[r], kCarrying, moves);
     State struck;
     double error = 0;
     const Event* hit = last_impact<Space>(scene, measure, trace, r, struck, error);
-    if (range == 0 && hit != nullptr) range = shared.range(struck, kClosed + error, moves);
+    if (range == 0 && hit != nullptr) range = shared.range(struck, kCarrying + error, moves);
     double compliance = 0;  // [1/(N s)] of the motion that goes farthest: sizes/s, rad/s
     for (std::size_t b = 0; range > 0 && b < scene.bodies.size(); ++b) {
       const auto at = static_cast<Eigen::Index>(n * b);

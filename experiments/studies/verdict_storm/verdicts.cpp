@@ -114,11 +114,11 @@ class Verdicts {
   std::optional<bool> none_;
 };
 
-struct Runner {
+struct Trial {
   std::unique_ptr<Solver> solver;
   Solution solution;
 
-  explicit Runner(const std::string& spec) : solver(make_solver(spec)) {}
+  explicit Trial(const std::string& spec) : solver(make_solver(spec)) {}
 
   double solve(const Lcp& problem, double time_limit) {  // [s] of the processor: other programs make no solver late
     solver->set_time_limit(time_limit);
@@ -175,7 +175,7 @@ namespace {
 constexpr double kRestated = 1e-8;  // of an answer within 1e-10, restated: half a z, and μ up to 1e6
 
 /// Why the claims of a solver on a problem and on the same in other words contradict; empty: they do not.
-std::string contradiction(const Lcp& p, const Solution& s, Runner& runner, double limit, std::uint64_t k) {
+std::string contradiction(const Lcp& p, const Solution& s, Trial& runner, double limit, std::uint64_t k) {
   Random random(k + 1);
   const Restatement restated = restate(p, random);
   if (s.status == Status::solved) {
@@ -223,7 +223,7 @@ std::vector<std::size_t> solvers_of(const StormChoice& choice, std::uint64_t k) 
 
 StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t count) {
   StormTally tally;
-  std::vector<std::unique_ptr<Runner>> runners(choice.solvers.size());  // made when first needed
+  std::vector<std::unique_ptr<Trial>> runners(choice.solvers.size());  // made when first needed
   for (std::uint64_t k = first; k < first + count; ++k) {
     const StormProblem p = problem_of(choice, k);
     Verdicts verdicts(p);
@@ -238,7 +238,7 @@ StormTally storm(const StormChoice& choice, std::uint64_t first, std::uint64_t c
       std::string why;
       StormResult result = StormResult::crashed;
       try {
-        if (!runners[i]) runners[i] = std::make_unique<Runner>(each.spec);
+        if (!runners[i]) runners[i] = std::make_unique<Trial>(each.spec);
         const double seconds = runners[i]->solve(p.problem, limit);
         result = verdicts.judge(runners[i]->solution, seconds, limit + choice.grace, why, row);
         if (choice.discs && why.empty() && (turn + i) % 8 == 0 && can_be_restated(p.problem)) {
@@ -263,7 +263,7 @@ StormResult storm_one(const Lcp& problem, std::optional<Answer> answer, const st
   const StormProblem p{"", problem, answer};
   StormTally::Row row;
   try {
-    Runner runner(spec);
+    Trial runner(spec);
     const double seconds = runner.solve(problem, choice.time_limit);
     return Verdicts(p).judge(runner.solution, seconds, choice.time_limit + choice.grace, why, row);
   } catch (const std::exception& error) {
