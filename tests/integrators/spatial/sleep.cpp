@@ -7,12 +7,12 @@ using namespace orthant;
 
 namespace {
 
-const Eigen::Quaterniond kTurn(Eigen::AngleAxisd(0.7, Vector3d(-1, 0.4, 2).normalized()));
+const Eigen::Quaterniond kAslant(Eigen::AngleAxisd(0.7, Vector3d(-1, 0.4, 2).normalized()));
 constexpr double kHalf = 0.5;  // [m]
 
 /// A cube of 1 kg on a rough floor, and one on top of it; all turned.
 spatial::Scene cubes() {
-  const Vector3d up = kTurn * Vector3d(0, 0, 1);
+  const Vector3d up = kAslant * Vector3d(0, 0, 1);
   spatial::Scene s;
   s.gravity = -9.81 * up;
   for (int i = 0; i < 2; ++i) {
@@ -20,7 +20,7 @@ spatial::Scene cubes() {
                               .mass = 1,
                               .inertia = Vector3d::Constant(1.0 / 6).asDiagonal(),
                               .position = (kHalf + i) * up,
-                              .orientation = {kTurn.w(), kTurn.x(), kTurn.y(), kTurn.z()}});
+                              .orientation = {kAslant.w(), kAslant.x(), kAslant.y(), kAslant.z()}});
     spatial::SpherePlane under{"under" + std::to_string(i), cube, {}, 0, cube - 1, {}, {0, 0, 1}, {.mu = 0.5}};
     if (i == 0)
       under.normal = up;
@@ -77,7 +77,7 @@ TEST_CASE("an island in space sleeps at rest and keeps its contact forces") {
 }
 
 TEST_CASE("a sleeping island in space wakes on a strike and on a load, and never rests on a moving surface") {
-  const Vector3d up = kTurn * Vector3d(0, 0, 1), along = kTurn * Vector3d(1, 0, 0);
+  const Vector3d up = kAslant * Vector3d(0, 0, 1), along = kAslant * Vector3d(1, 0, 0);
   spatial::Scene struck = cubes();
   const auto ball = struck.body({.name = "ball",
                                  .mass = 3,
