@@ -1,6 +1,8 @@
 // Events in the variations of a motion: guards, changes of their times, resets.
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/derivatives/motion_variation.h>
+#include <orthant/integrators/derivatives/shared_friction.h>
+#include <orthant/integrators/step/rate_targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,20 +29,27 @@ constexpr std::size_t kMostWarnings = 20;
 
 /// Impacts between before_ and `after`, and the contacts that they close.
 void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
+  std::vector<HeldFriction> held;
   for (const Event& event : events_) {
     if (event.kind != EventKind::impact && event.kind != EventKind::accumulation) continue;
     const ContactLaw& law = system_.law(event.contact);
-    const bool slides = std::abs(event.tangent) >= (1 - 1e-9) * law.mu * event.normal;
-    int sense = law.frictional() && slides ? (event.tangent > 0 ? 1 : -1) : 0;
+    double bound = law.mu * event.normal;
+    bool sticks = law.frictional() && std::abs(event.tangent) < (1 - kAtFrictionBound) * bound;
+    if (bound > 0 && !sticks) sticks = stops(event.contact, after);
+    if (sticks && std::abs(event.tangent) > (1 + kAtFrictionBound) * bound)
+      bound = static_mu(law) * event.normal;
+    int sense = law.frictional() && !sticks ? (event.tangent > 0 ? 1 : -1) : 0;
     if (begins_.of(event.contact)) {
       sense = -begins_.sense(event.contact, now(), before_.q1, after.v0);
       if (sense == 0)
         none("contact " + name(event.contact) + " strikes without a slip: the friction that begins there has no sense");
     }
-    crossing.struck.push_back({event.contact, false, sense, law.frictional() && !slides});
+    if (sticks) held.push_back({event.contact, event.tangent, bound});
+    crossing.struck.push_back({event.contact, false, sense, sticks});
     crossing.plastic = crossing.plastic || event.kind == EventKind::accumulation;
     if (!before_.modes[static_cast<std::size_t>(event.contact)].lasting) crossing.guards.push_back(event.contact);
   }
+  check_held(held);
   for (Struck& s : crossing.struck) s.plastic = crossing.plastic;
   for (std::size_t c = 0; c < after.modes.size() && begun_; ++c) {
     const auto contact = static_cast<int>(c);
@@ -49,6 +58,34 @@ void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
   }
   if (!crossing.struck.empty() && crossing.guards.empty())
     none("contact " + name(crossing.struck.front().contact) + ", which is closed, strikes: its normal turns");
+}
+
+/// Whether a struck contact has no slip after the impact, or the one that e_T wants.
+bool MotionVariation::stops(int contact, const Arc& after) {
+  const ContactLaw& law = system_.law(contact);
+  const bool strikes = -base_.gap_rate(contact, now(), before_.q1, before_.v1) > kRestSpeed * law.unit;
+  double slip = base_.slip(contact, now(), before_.q1, after.v0);
+  if (strikes) slip += law.e_t * base_.slip(contact, now(), before_.q1, before_.v1);
+  return std::abs(slip) <= kStickSpeed * law.unit;
+}
+
+/// Friction that stops contacts must be able to hold them on both sides of a change.
+void MotionVariation::check_held(const std::vector<HeldFriction>& held) {
+  const auto at_bound = [](const HeldFriction& h) { return std::abs(h.tangent) >= (1 - kAtFrictionBound) * h.bound; };
+  const auto first = std::ranges::find_if(held, at_bound);
+  if (first == held.end()) return;
+  const auto count = static_cast<Eigen::Index>(held.size());
+  Eigen::MatrixXd acts(system_.dof(), count);
+  Eigen::VectorXd bounds(count), tangents(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const HeldFriction& h = held[static_cast<std::size_t>(i)];
+    acts.col(i) = base_.tangent_push(h.contact, now(), before_.q1);
+    bounds[i] = h.bound, tangents[i] = h.tangent;
+  }
+  if (!share_friction(acts, bounds, tangents))
+    none("contact " + name(first->contact) +
+         " strikes, and its friction stops it with all that it has: it slides on one side of a change and sticks on "
+         "the other");
 }
 
 /// Slip that ends; where there is none, and the accelerations jump, slip that begins.

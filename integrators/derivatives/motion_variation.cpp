@@ -144,16 +144,18 @@ void MotionVariation::start(const Arc& first) {
             near.project(before_.start, q, v);
           });
     });
-  if (crossing.struck.empty()) return;
-  crossing.struck = all;
-  reset(crossing, first);
+  if (!crossing.struck.empty()) {
+    crossing.struck = all;
+    reset(crossing, first);
+  }
+  note_first_slips(first);
 }
 
 /// Of contacts that are closed at the start: which parameters open or close them.
 void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
   const double t = before_.start;
   each([&](VariedDirection& d, auto dq, auto dv) {
-    std::string contacts;
+    std::string contacts, opened, sunk;
     for (const Struck& s : closed) {
       const Eigen::VectorXd from_q = dq, from_v = dv;
       const Eigen::VectorXd changes = d.derivative(
@@ -164,14 +166,54 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
           });
       const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
       const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
-      if (changes.lpNorm<Eigen::Infinity>() > kUnmoved * std::max(size, 1e-3) + rounding)
-        contacts += (contacts.empty() ? "" : ", ") + name(s.contact);
+      const double least = kUnmoved * std::max(size, 1e-3) + rounding;
+      if (changes.lpNorm<Eigen::Infinity>() > least) list(contacts, s.contact);
+      if (std::abs(changes[0]) > least) list(changes[0] > 0 ? opened : sunk, s.contact);
     }
-    if (!contacts.empty())
-      result_.warnings.push_back(names_[static_cast<std::size_t>(&d - directions_.data())] +
-                                 " opens or closes contacts that are closed at the start (" + contacts +
+    const std::string& parameter = names_[static_cast<std::size_t>(&d - directions_.data())];
+    if (!opened.empty() && !sunk.empty())
+      none(parameter + " opens " + opened + " and sinks " + sunk +
+           ", which are closed at the start: one of them overlaps on either side of the value");
+    else if (!contacts.empty())
+      result_.warnings.push_back(parameter + " opens or closes contacts that are closed at the start (" + contacts +
                                  "): the derivative is one-sided, of the side that closes them again at once");
   });
+}
+
+/// Contacts that begin to slide at the start, from rest: a slip in the other sense meets other friction.
+void MotionVariation::note_first_slips(const Arc& first) {
+  each([&](VariedDirection& d, auto dq, auto dv) {
+    std::string with, against;
+    for (std::size_t c = 0; c < first.modes.size(); ++c) {
+      const auto contact = static_cast<int>(c);
+      const ContactMode& mode = first.modes[c];
+      const double rest = kStickSpeed * system_.law(contact).unit;
+      if (!mode.lasting || mode.slip == 0 || system_.law(contact).mu == 0) continue;
+      base_.set_modes(first.modes);
+      if (std::abs(base_.slip(contact, first.start, first.q0, first.v0)) > rest) continue;
+      const Eigen::VectorXd from_q = dq, from_v = dv;
+      const double by = d.derivative(first.q0, first.v0, from_q, from_v,
+                                     [&](NearbyMotion& near, const Eigen::VectorXd& q,
+                                         const Eigen::VectorXd& v) -> Eigen::VectorXd {
+                                       return Eigen::VectorXd::Constant(1, near.slip(contact, first.start, q, v));
+                                     })[0];
+      const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
+      const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
+      if (std::abs(by) > kUnmoved * std::max(size, 1e-3) + rounding) list(by * mode.slip > 0 ? with : against, contact);
+    }
+    const std::string& parameter = names_[static_cast<std::size_t>(&d - directions_.data())];
+    if (!with.empty() && !against.empty())
+      none(parameter + " pushes " + with + " on and " + against +
+           " back, which begin to slide at the start: on either side of the value one of them turns");
+    else if (!with.empty() || !against.empty())
+      result_.warnings.push_back(parameter + " changes the slip of contacts that begin to slide at the start (" + with +
+                                 against + "): the derivative is one-sided, of " +
+                                 (against.empty() ? "larger" : "smaller") + " values");
+  });
+}
+
+void MotionVariation::list(std::string& names, int contact) const {
+  names += (names.empty() ? "" : ", ") + name(contact);
 }
 
 void MotionVariation::none(const std::string& why) {

@@ -81,6 +81,11 @@ class MotionVariation {
     bool plastic = false;     // an accumulation
   };
 
+  struct HeldFriction {  // of a contact that an impact leaves without a slip [N s]
+    int contact;
+    double tangent, bound;
+  };
+
   template <class F> void each(F&& f) {
     for (std::size_t j = 0; j < directions_.size(); ++j) {
       const auto column = static_cast<Eigen::Index>(j);
@@ -97,8 +102,12 @@ class MotionVariation {
   void start(const Arc& first);
   void follow(const Arc& arc);
   void note_one_sided(const std::vector<Struck>& closed);
+  void note_first_slips(const Arc& first);
+  void list(std::string& names, int contact) const;
   void cross(const Arc& after);
   void strikes(const Arc& after, Crossing& crossing);
+  bool stops(int contact, const Arc& after);
+  void check_held(const std::vector<HeldFriction>& held);
   void slips(const Arc& after, Crossing& crossing);
   bool jumps(const Arc& after) const;
   void cross_knot(const Arc& after);

@@ -80,6 +80,12 @@ double NearbyMotion::gap_acceleration(int contact, double t, const Eigen::Vector
                              system_.scene().contacts[static_cast<std::size_t>(contact)]);
 }
 
+Eigen::VectorXd NearbyMotion::tangent_push(int contact, double t, const Eigen::VectorXd& q) {
+  Eigen::VectorXd push = Eigen::VectorXd::Zero(system_.dof());
+  apply_transposed(rows(contact, t, q).tangent, 1, push.data());
+  return push;
+}
+
 double NearbyMotion::gap_scale(int contact, double t, const Eigen::VectorXd& q) {
   double sum = 0;
   each_entry(rows(contact, t, q).normal, [&](Eigen::Index place, double j) { sum += std::abs(j * q[place]); });

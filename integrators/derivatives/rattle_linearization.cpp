@@ -1,5 +1,6 @@
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/derivatives/rattle_linearization.h>
+#include <orthant/integrators/derivatives/shared_friction.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -155,15 +156,19 @@ void RattleLinearization::solve_stage(Stage& stage, double bound) {
     const double most = bound * system_.scene().frictions[at(i - stage.first_friction)].bound;
     problem.lo[i] = -most, problem.hi[i] = most;
   }
+  std::vector<double> stick;
+  for (const auto& [contact, is_static] : stage.mu_of)
+    stick.push_back((&stage == &position_ ? step_->h : 1) * kStickSpeed * system_.law(contact).unit);
+  Solution solution;
+  solution.z = stage.z;
+  share_friction(problem, stage.push, system_.dof(), stage.w, stick, solution.z);
   const auto hold_inside = [&](Index row, double most) {  // rates there are rounding
-    if (std::abs(stage.z[row]) < (1 - 1e-9) * most) stage.w[row] = 0;
+    if (std::abs(solution.z[row]) < (1 - kAtFrictionBound) * most) stage.w[row] = 0;
   };
   for (const Friction& f : problem.friction) hold_inside(f.first, f.mu * stage.z[f.normal]);
   for (Index i = stage.first_friction; i < stage.rows; ++i) hold_inside(i, problem.hi[i]);
-  problem.b = stage.w - A * stage.z;
+  problem.b = stage.w - A * solution.z;
   problem.A = DenseMatrix(A);
-  Solution solution;
-  solution.z = stage.z;
   judge_.certify(problem, 1e-8, Claim::candidate, solution);
   if (!has_answer(solution.status))
     throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(step_->before.t) +

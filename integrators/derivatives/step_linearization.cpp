@@ -1,4 +1,5 @@
 #include <orthant/core/support/options.h>
+#include <orthant/integrators/derivatives/shared_friction.h>
 #include <orthant/integrators/derivatives/step_linearization.h>
 
 #include <algorithm>
@@ -161,6 +162,10 @@ void StepLinearization::set_up(const StepTrace& given) {
     solution_ = {};
     solution_.z = step.z;
     judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
+    stick_.clear();
+    for (const auto& [contact, is_static] : step.mu_of) stick_.push_back(kStickSpeed * system_.law(contact).unit);
+    if (share_friction(step.problem, rows_, system_.dof(), solution_.w, stick_, solution_.z))
+      judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
     sensitivity_.set_up(step.problem, solution_);
     for (const WeaklyActive& row : sensitivity_.weakly_active())
       for (std::size_t k = 0; k < places_.size(); ++k)

@@ -113,6 +113,7 @@ class StepLinearization {
   bool consistent_ = true;
   Judge judge_;
   Solution solution_;
+  std::vector<double> stick_;  // [m/s] of each friction
   void push_contacts(Index count, std::vector<ImpulseChange>* impulses);
   void add_response(Index count);
   void solve_columns(Index count, const double* f, const double* c, DirectionBlock& x);  // basic_; c null: 0

@@ -228,8 +228,75 @@ def test_products_with_the_jacobian_of_a_run_and_its_transpose():
         run.vjp({"crank.theta": weights[:-1]}, "mu")
     with pytest.raises(ValueError, match="mode"):
         run.gradient("crank.theta", "mu", mode="reverse")
-    with pytest.raises(ValueError, match=r"change\['mu'\] = nan: must be a finite number"):
-        run.jvp(columns, {"mu": float("nan")})
+
+
+@pytest.mark.parametrize("call, rule", [
+    (lambda run: run.jvp("crank.theta", "mu"), r"change = 'mu': must be a mapping \{parameter: number\}"),
+    (lambda run: run.jvp("x", [1.0]), r"change = \[1.0\]: must be a mapping"),
+    (lambda run: run.jvp("x", None), "change = None: must be a mapping"),
+    (lambda run: run.jvp("crank.theta", {}), r"change = \{\}: must have at least one entry"),
+    (lambda run: run.jvp("crank.theta", {1: 1.0}), "a key of change = 1: must be a name"),
+    (lambda run: run.jvp("crank.theta", {"mu": "a lot"}), r"change\['mu'\] = 'a lot': must be a number"),
+    (lambda run: run.jvp("crank.theta", {"mu": float("nan")}), r"change\['mu'\] = nan: must be finite"),
+    (lambda run: run.jvp(None, {"mu": 1.0}), "of = None: must be a name or a sequence of names"),
+    (lambda run: run.jvp(["crank.theta", 2], {"mu": 1.0}), r"of\[1\] = 2: must be a name"),
+    (lambda run: run.jvp([], {"mu": 1.0}), r"of = \[\]: must have at least one name"),
+    (lambda run: run.vjp("crank.theta", "mu"), "weights = 'crank.theta': must be a mapping"),
+    (lambda run: run.vjp({}, "mu"), r"weights = \{\}: must have at least one entry"),
+    (lambda run: run.vjp({"crank.theta": "x"}, "mu"), r"weights\['crank.theta'\] = 'x': must be a number, or an array"),
+    (lambda run: run.vjp({"crank.theta": None}, "mu"), r"weights\['crank.theta'\] = None: must be a number, or an"),
+    (lambda run: run.vjp({"crank.theta": [[1.0]]}, "mu"), r"weights\['crank.theta'\] has the shape \(1, 1\)"),
+    (lambda run: run.vjp({"crank.theta": [1.0, np.inf]}, "mu"), r"weights\['crank.theta'\] = .*: must be finite"),
+    (lambda run: run.vjp({"crank.theta": 1.0}, 3), "wrt = 3: must be a name or a sequence of names"),
+    (lambda run: run.gradient("crank.theta", {"mu": 1}), "wrt = .*: must be a name or a sequence of names"),
+    (lambda run: run.gradient("crank.theta", []), r"wrt = \[\]: must have at least one name"),
+    (lambda run: run.gradient(["crank.theta"], "mu"), "of = .*: must be a text"),
+    (lambda run: run.gradient("crank.theta", "mu", at=np.zeros(2)), "at = .*: must be 'records', 'end' or 'sum'"),
+    (lambda run: run.gradient("crank.theta", "mu", mode=[]), r"mode = \[\]: must be 'auto', 'forward' or 'reverse'"),
+    (lambda run: orthant.gradient("slider_crank", "crank.theta", "mu", step="small"), "step = 'small': must be a num"),
+    (lambda run: orthant.lyapunov("impact_oscillator", duration=None), r"duration = None: must be a number \[s\]"),
+    (lambda run: orthant.lyapunov("impact_oscillator", duration=1.0, transient=None), "transient = None: must be a num"),
+    (lambda run: orthant.lyapunov("impact_oscillator", duration=1.0, transient=-1), "transient = -1: must be >= 0"),
+    (lambda run: orthant.sensitivity("x", "y"), "problem = 'x': must be a Problem"),
+])
+def test_wrong_arguments_of_derivatives_are_named_with_the_rule(call, rule):
+    run = orthant.simulate(crank(), step=1e-3, duration=2e-3)
+    with pytest.raises((TypeError, ValueError), match=f"^{rule}") as refused:
+        call(run)
+    assert "\n" not in str(refused.value)
+
+
+def test_wrong_arguments_of_products_of_a_solution_are_named():
+    problem = orthant.Problem(np.diag([2.0, 1.0]), [-2.0, 1.0])
+    s = orthant.sensitivity(problem, orthant.solve(problem))
+    for call, field in [(lambda: s.jvp(dq="x"), "dq"), (lambda: s.jvp(dq={"a": 1}), "dq"), (lambda: s.jvp(dM="x"), "dM"),
+                        (lambda: s.jvp(dmu=1.0), "dmu"), (lambda: s.directional(dlo=[1.0]), "dlo"),
+                        (lambda: s.vjp("x"), "g"), (lambda: s.vjp(None), "g"), (lambda: s.vjp([1.0, 0], h="x"), "h"),
+                        (lambda: s.vjp([1.0, np.nan]), "g")]:
+        with pytest.raises((TypeError, ValueError), match=rf"^{field}\b") as refused:
+            call()
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("framework", ["torch", "jax"])
+def test_wrong_arguments_of_frameworks_are_named(framework):
+    library = pytest.importorskip(framework)
+    wrap = orthant.as_torch if framework == "torch" else orthant.as_jax
+    for given, rule in [((None, "crank.theta", "mu"), "make = None: must be a function"),
+                        ((crank, 1, "mu"), "of = 1"), ((crank, "crank.theta", None), "wrt = None"),
+                        ((crank, ["crank.theta"] * 2, "mu"), "of: 'crank.theta' is there twice"),
+                        ((crank, "crank.theta", ["mu", "mu"]), "wrt: 'mu' is there twice")]:
+        with pytest.raises((TypeError, ValueError), match=f"^{rule}"):
+            wrap(*given)
+    with pytest.raises(TypeError, match="^steps: is no setting of a run"):
+        wrap(crank, "crank.theta", ["mu", "e"], steps=3)
+    run = wrap(crank, "crank.theta", ["mu", "e"], **HOW)
+    array = library.tensor if framework == "torch" else library.numpy.asarray
+    for given, rule in [(array([0, 1]), "parameters: must be real numbers in floating point"),
+                        (array([0.1]), "parameters: must be a vector of 2 numbers"),
+                        ([0.1, 0.2], r"parameters = \[0.1, 0.2\]: must be a")]:
+        with pytest.raises((TypeError, ValueError), match=f"^{rule}"):
+            run(given)
 
 
 @pytest.mark.parametrize("framework", ["torch", "jax"])

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 from typing import Any, Callable, Sequence, Union
 
+from ._spec import shown
+
+_Parts = tuple[int, Callable[[Any], list[float]], Callable[[Any, Any], list[float]], Callable[[Any, bool], None]]
+
 
 def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
-          how: dict[str, Any]) -> tuple[int, Callable[[Any], list[float]], Callable[[Any, Any], list[float]]]:
-    """The number of columns; their last values of parameters; the gradient of a weighted sum of them."""
-    from ._derivatives import _words, vjp
+          how: dict[str, Any]) -> _Parts:
+    """The number of columns; their last values of parameters; the gradient of a weighted sum of them; what refuses
+    vectors that are no parameters."""
+    from ._derivatives import _settings, _words, vjp
     from ._simulate import simulate
 
+    if not callable(make):
+        raise TypeError(f"make = {shown(make)}: must be a function of the parameters' values that returns a scene")
     columns, parameters = _words("of", of), _words("wrt", wrt)
+    for what, names in (("of", columns), ("wrt", parameters)):
+        if twice := [name for place, name in enumerate(names) if name in names[:place]]:
+            raise ValueError(f"{what}: {shown(twice[0])} is there twice: must be different names")
+    _settings(how)
 
     def value(at: Any) -> list[float]:
-        if len(getattr(at, "shape", ())) != 1 or len(at) != len(parameters):
-            raise ValueError(f"parameters: must be a vector of {len(parameters)} numbers, those of wrt")
         final = simulate(make(*(float(x) for x in at)), **how).final
         return [final[column] for column in columns]
 
@@ -24,7 +33,14 @@ def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[st
         found = vjp(scene, dict(zip(columns, (float(w) for w in weights))), parameters, **how)
         return [found.gradient[name] for name in parameters]
 
-    return len(columns), value, pull
+    def check(at: Any, floating: bool) -> None:
+        if tuple(at.shape) != (len(parameters),):
+            raise ValueError(f"parameters: must be a vector of {len(parameters)} numbers, those of wrt; "
+                             f"has the shape {tuple(at.shape)}")
+        if not floating:
+            raise TypeError(f"parameters: must be real numbers in floating point, such as float64; are {at.dtype}")
+
+    return len(columns), value, pull, check
 
 
 def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
@@ -37,7 +53,7 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
     """
     import torch
 
-    _, value, pull = _pair(make, of, wrt, how)
+    _, value, pull, check = _pair(make, of, wrt, how)
 
     class Run(torch.autograd.Function):  # type: ignore[misc]
         @staticmethod
@@ -51,7 +67,13 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
             (parameters,) = ctx.saved_tensors
             return parameters.new_tensor(pull(parameters.tolist(), weights.tolist()))
 
-    return Run.apply  # type: ignore[no-any-return]
+    def run(parameters: Any) -> Any:
+        if not isinstance(parameters, torch.Tensor):
+            raise TypeError(f"parameters = {shown(parameters)}: must be a torch.Tensor")
+        check(parameters, parameters.is_floating_point())
+        return Run.apply(parameters)
+
+    return run
 
 
 def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
@@ -61,7 +83,7 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
     import jax
     import numpy
 
-    columns, value, pull = _pair(make, of, wrt, how)
+    columns, value, pull, check = _pair(make, of, wrt, how)
 
     def primal(parameters: Any) -> Any:
         shape = jax.ShapeDtypeStruct((columns,), parameters.dtype)
@@ -79,4 +101,11 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
                                   vmap_method="sequential"),)
 
     run.defvjp(forward, backward)
-    return run  # type: ignore[no-any-return]
+
+    def checked(parameters: Any) -> Any:
+        if not hasattr(parameters, "shape") or not hasattr(parameters, "dtype"):
+            raise TypeError(f"parameters = {shown(parameters)}: must be a JAX array")
+        check(parameters, jax.numpy.issubdtype(parameters.dtype, jax.numpy.floating))
+        return run(parameters)
+
+    return checked

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
+from collections import abc
 from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Optional, Sequence, Union
 
 from . import _orthant
 from ._orthant import Problem, Result
-from ._spec import seconds, shown, whole, word
+from ._spec import number, seconds, shown, whole, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -216,7 +216,50 @@ def _arrived(status: str, why: str) -> None:
 
 
 def _words(what: str, names: Union[str, Sequence[str]]) -> list[str]:
-    return [word(what, names)] if isinstance(names, str) else [word(what, name) for name in names]
+    if isinstance(names, str):
+        return [word(what, names)]
+    if isinstance(names, (bytes, abc.Mapping)) or not isinstance(names, abc.Iterable):
+        raise TypeError(f"{what} = {shown(names)}: must be a name or a sequence of names")
+    words = [word(f"{what}[{place}]", name, "a name") for place, name in enumerate(names)]
+    if not words:
+        raise ValueError(f"{what} = {shown(names)}: must have at least one name")
+    return words
+
+
+def _mapping(what: str, given: Any, form: str) -> Mapping[str, Any]:
+    if not isinstance(given, abc.Mapping):
+        raise TypeError(f"{what} = {shown(given)}: must be a mapping {form}")
+    for key in given:
+        word(f"a key of {what}", key, "a name")
+    if not given:
+        raise ValueError(f"{what} = {shown(given)}: must have at least one entry, {form}")
+    return given
+
+
+def _weights_of(column: str, given: Any) -> Vector:
+    """A number, or an array of them."""
+    import numpy
+
+    what = f"weights[{column!r}]"
+    try:
+        if isinstance(given, (str, bytes, bool)) or numpy.asarray(given).dtype.kind not in "iuf":
+            raise TypeError
+        weights = numpy.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{what} = {shown(given)}: must be a number, or an array of them, one a record") from None
+    if weights.ndim > 1:
+        raise ValueError(f"{what} has the shape {weights.shape}: must be a number, or an array of them, one a record")
+    if not numpy.isfinite(weights).all():
+        raise ValueError(f"{what} = {shown(given)}: must be finite")
+    return weights
+
+
+def _settings(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Of a run: those given, the others at their defaults."""
+    for key in given:
+        if key not in _HOW:
+            raise TypeError(f"{key}: is no setting of a run: must be {', '.join(list(_HOW)[:-1])} or {list(_HOW)[-1]}")
+    return {**_HOW, **given}
 
 
 def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "records", mode: str = "auto",
@@ -242,6 +285,7 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
     """
     call = _Call(scene, integrator, solver, step, duration, every)
     parameters = _words("wrt", wrt)
+    at, mode = word("at", at, "'records', 'end' or 'sum'"), word("mode", mode, "'auto', 'forward' or 'reverse'")
     if at not in ("records", "end", "sum"):
         raise ValueError(f"at = {shown(at)}: must be 'records', 'end' or 'sum'")
     if mode not in ("auto", "forward", "reverse") or (mode == "reverse" and at == "records"):
@@ -272,12 +316,13 @@ def lyapunov(scene: Any, count: int = 1, *, duration: float, transient: float = 
     Raises RuntimeError where the motion has no tangents (a graze, a crowd of events) or does not come to its end.
     Source: Benettin et al., Meccanica 15 (1980) 9-30.
     """
+    if duration is None:
+        raise TypeError("duration = None: must be a number [s]")
     call = _Call(scene, integrator, solver, None, duration, 1)
     integrator, solver, _, length, _ = call.how
-    assert length is not None
-    rest = 0.0 if transient == 0 else seconds("transient", transient)
+    if (rest := number("transient", transient)) < 0:
+        raise ValueError(f"transient = {rest:g}: must be >= 0 [s]")
     between = seconds("every", every) or length / 100
-    assert rest is not None
     t, exponents, last_half, status, why = _orthant._lyapunov(
         *call.scene, integrator, solver, whole("count", count, 1), length, rest, between)
     _arrived(status, why)
@@ -290,16 +335,14 @@ _REVERSE_FROM = 4  # parameters: up to here forward mode costs less
 def jvp(scene: Any, of: Union[str, Sequence[str]], change: Mapping[str, float], **how: Any) -> RunTangent:
     """Derivatives of columns along a change of parameters {name: change}, at each record, by forward mode; see
     `gradient`."""
-    call = _Call(scene, **{**_HOW, **how})
-    columns, parameters = _words("of", of), [word("change", key) for key in change]
-    for key, value in change.items():
-        if not math.isfinite(value):
-            raise ValueError(f"change[{key!r}] = {shown(value)}: must be a finite number")
+    columns = _words("of", of)
+    along = {key: number(f"change[{key!r}]", value)
+             for key, value in _mapping("change", change, "{parameter: number}").items()}
+    call, parameters = _Call(scene, **_settings(how)), list(along)
     t, values, by, degenerate, inconsistent = call.forward(columns, parameters)
     import numpy
 
-    return RunTangent(columns, t, values, by @ numpy.array([float(x) for x in change.values()]), degenerate,
-                      inconsistent)
+    return RunTangent(columns, t, values, by @ numpy.array(list(along.values())), degenerate, inconsistent)
 
 
 def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], **how: Any) -> RunAdjoint:
@@ -309,11 +352,9 @@ def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], 
     """
     import numpy
 
-    call = _Call(scene, **{**_HOW, **how})
-    columns, parameters = [word("weights", key) for key in weights], _words("wrt", wrt)
-    given = [numpy.asarray(value, dtype=float) for value in weights.values()]
-    if not columns or any(w.ndim > 1 or not numpy.isfinite(w).all() for w in given):
-        raise ValueError("weights: must be {column: a finite number or an array of them, one a record}")
+    columns, parameters = list(_mapping("weights", weights, "{column: number or array}")), _words("wrt", wrt)
+    given = [_weights_of(column, weights[column]) for column in columns]
+    call = _Call(scene, **_settings(how))
     rows = max((len(w) for w in given if w.ndim == 1), default=call.records())
     table = numpy.zeros((rows, len(columns)))
     for column, w in enumerate(given):
