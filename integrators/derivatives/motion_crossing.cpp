@@ -21,6 +21,7 @@ constexpr double kGrazingSlip = 1e-7;     // of the accelerations
 constexpr double kGrazingForce = 1e-9;    // [1/s] of the force
 constexpr double kAtItsBound = 1e-6;      // of the force
 constexpr double kForcesJump = 1e-6;      // of the accelerations
+constexpr double kForcesRounded = 1e-11;  // of those without contacts
 constexpr double kGrows = 1e4;            // of the tangents, through one event
 constexpr double kNearlyGrazes = 100;     // times the rate that rounding leaves
 constexpr std::size_t kMostWarnings = 20;
@@ -36,8 +37,7 @@ void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
     double bound = law.mu * event.normal;
     bool sticks = law.frictional() && std::abs(event.tangent) < (1 - kAtFrictionBound) * bound;
     if (bound > 0 && !sticks) sticks = stops(event.contact, after);
-    if (sticks && std::abs(event.tangent) > (1 + kAtFrictionBound) * bound)
-      bound = static_mu(law) * event.normal;
+    if (sticks && std::abs(event.tangent) > (1 + kAtFrictionBound) * bound) bound = static_mu(law) * event.normal;
     int sense = law.frictional() && !sticks ? (event.tangent > 0 ? 1 : -1) : 0;
     if (begins_.of(event.contact)) {
       sense = -begins_.sense(event.contact, now(), before_.q1, after.v0);
@@ -112,9 +112,12 @@ void MotionVariation::slips(const Arc& after, Crossing& crossing) {
   });
 }
 
-bool MotionVariation::jumps(const Arc& after) const {
+/// At rest the accelerations are what rounding leaves of the forces.
+bool MotionVariation::jumps(const Arc& after) {
   const double size = std::max(before_.a1.lpNorm<Eigen::Infinity>(), after.a0.lpNorm<Eigen::Infinity>());
-  return (after.a0 - before_.a1).lpNorm<Eigen::Infinity>() > kForcesJump * size;
+  const double jump = (after.a0 - before_.a1).lpNorm<Eigen::Infinity>();
+  if (jump <= kForcesJump * size) return false;
+  return jump > kForcesRounded * base_.free_acceleration(now(), before_.q1, before_.v1);
 }
 
 void MotionVariation::cross(const Arc& after) {

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kParameterStep = 1e-4;  // of the value
 constexpr double kUnmoved = 1e-9;        // of a direction: its change of a gap
+constexpr double kUnloaded = 1e-9;       // of the normal force: friction that holds against nothing
 constexpr double kRounded = 1e-14;       // [m, m/s] of gaps and rates
 constexpr double kOfRadius = 1e-2;       // of the least radius on which a contact's direction turns: differences
 
@@ -130,7 +131,7 @@ void MotionVariation::start(const Arc& first) {
   std::vector<Struck> all = crossing.struck;
   all.insert(all.end(), closed.begin(), closed.end());
   if (all.empty()) return;
-  note_one_sided(all);
+  note_one_sided(all, first);
   if (!closed.empty())
     each([&](VariedDirection& d, auto dq, auto dv) {
       const Eigen::VectorXd from_q = dq, from_v = dv;
@@ -151,12 +152,23 @@ void MotionVariation::start(const Arc& first) {
   note_first_slips(first);
 }
 
-/// Of contacts that are closed at the start: which parameters open or close them.
-void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
+/// Of contacts that are closed at the start: which parameters open or close them, and which side the derivative is of.
+void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Arc& first) {
   const double t = before_.start;
+  std::vector<char> grips, from_rest;  // holds against a force; begins to slide
+  for (const Struck& s : closed) {
+    const ContactMode& mode = first.modes[static_cast<std::size_t>(s.contact)];
+    base_.set_modes(first.modes);
+    grips.push_back(mode.lasting && mode.sticks &&
+                    std::abs(base_.tangent_force(s.contact, t, first.q0, first.v0)) >
+                        kUnloaded * std::abs(base_.normal_force(s.contact, t, first.q0, first.v0)));
+    from_rest.push_back(begins_from_rest(s.contact, first));
+  }
   each([&](VariedDirection& d, auto dq, auto dv) {
-    std::string contacts, opened, sunk;
-    for (const Struck& s : closed) {
+    std::string contacts, opened, sunk, gripped, rising, falling;
+    bool slide = false, rest = false;
+    for (std::size_t i = 0; i < closed.size(); ++i) {
+      const Struck& s = closed[i];
       const Eigen::VectorXd from_q = dq, from_v = dv;
       const Eigen::VectorXd changes = d.derivative(
           before_.q1, before_.v1, from_q, from_v,
@@ -168,16 +180,46 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed) {
       const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
       const double least = kUnmoved * std::max(size, 1e-3) + rounding;
       if (changes.lpNorm<Eigen::Infinity>() > least) list(contacts, s.contact);
-      if (std::abs(changes[0]) > least) list(changes[0] > 0 ? opened : sunk, s.contact);
+      if (std::abs(changes[1]) > least) {
+        list(changes[1] > 0 ? rising : falling, s.contact);
+        rest = rest || from_rest[i] != 0;
+      }
+      if (std::abs(changes[0]) <= least) continue;
+      list(changes[0] > 0 ? opened : sunk, s.contact);
+      if (grips[i] != 0) list(gripped, s.contact);
+      slide = slide || s.slides != 0;
     }
     const std::string& parameter = names_[static_cast<std::size_t>(&d - directions_.data())];
+    const auto of_side = [](bool larger) { return std::string("of ") + (larger ? "larger" : "smaller") + " values"; };
     if (!opened.empty() && !sunk.empty())
       none(parameter + " opens " + opened + " and sinks " + sunk +
            ", which are closed at the start: one of them overlaps on either side of the value");
+    else if (!gripped.empty() && slide)
+      none(parameter + " opens contacts that slide, and " + gripped +
+           ", which holds at the start: they have derivatives of different sides");
+    else if (rest && !rising.empty() && !falling.empty())
+      none(parameter + " lifts " + rising + " and presses " + falling +
+           ", which begin to slide at the start: impacts without a slip stop one of them on either side of the value");
+    else if (!gripped.empty())
+      result_.warnings.push_back(parameter + " opens or closes contacts that hold at the start (" + gripped +
+                                 "): the derivative is one-sided, " + of_side(opened.empty()) +
+                                 ", where they stay closed; on the other side they fly and slip");
+    else if (!opened.empty() || !sunk.empty() || rest)
+      result_.warnings.push_back(parameter + " opens or closes contacts that are closed at the start (" + contacts +
+                                 "): the derivative is one-sided, " +
+                                 of_side(opened.empty() && sunk.empty() ? falling.empty() : sunk.empty()) +
+                                 ", where a short flight closes them again");
     else if (!contacts.empty())
       result_.warnings.push_back(parameter + " opens or closes contacts that are closed at the start (" + contacts +
                                  "): the derivative is one-sided, of the side that closes them again at once");
   });
+}
+
+bool MotionVariation::begins_from_rest(int contact, const Arc& first) {
+  const ContactMode& mode = first.modes[static_cast<std::size_t>(contact)];
+  if (!mode.lasting || mode.slip == 0 || system_.law(contact).mu == 0) return false;
+  base_.set_modes(first.modes);
+  return std::abs(base_.slip(contact, first.start, first.q0, first.v0)) <= kStickSpeed * system_.law(contact).unit;
 }
 
 /// Contacts that begin to slide at the start, from rest: a slip in the other sense meets other friction.
@@ -187,16 +229,13 @@ void MotionVariation::note_first_slips(const Arc& first) {
     for (std::size_t c = 0; c < first.modes.size(); ++c) {
       const auto contact = static_cast<int>(c);
       const ContactMode& mode = first.modes[c];
-      const double rest = kStickSpeed * system_.law(contact).unit;
-      if (!mode.lasting || mode.slip == 0 || system_.law(contact).mu == 0) continue;
-      base_.set_modes(first.modes);
-      if (std::abs(base_.slip(contact, first.start, first.q0, first.v0)) > rest) continue;
+      if (!begins_from_rest(contact, first)) continue;
       const Eigen::VectorXd from_q = dq, from_v = dv;
-      const double by = d.derivative(first.q0, first.v0, from_q, from_v,
-                                     [&](NearbyMotion& near, const Eigen::VectorXd& q,
-                                         const Eigen::VectorXd& v) -> Eigen::VectorXd {
-                                       return Eigen::VectorXd::Constant(1, near.slip(contact, first.start, q, v));
-                                     })[0];
+      const double by =
+          d.derivative(first.q0, first.v0, from_q, from_v,
+                       [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) -> Eigen::VectorXd {
+                         return Eigen::VectorXd::Constant(1, near.slip(contact, first.start, q, v));
+                       })[0];
       const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
       const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
       if (std::abs(by) > kUnmoved * std::max(size, 1e-3) + rounding) list(by * mode.slip > 0 ? with : against, contact);

@@ -101,7 +101,8 @@ class MotionVariation {
 
   void start(const Arc& first);
   void follow(const Arc& arc);
-  void note_one_sided(const std::vector<Struck>& closed);
+  void note_one_sided(const std::vector<Struck>& closed, const Arc& first);
+  bool begins_from_rest(int contact, const Arc& first);
   void note_first_slips(const Arc& first);
   void list(std::string& names, int contact) const;
   void cross(const Arc& after);
@@ -109,7 +110,7 @@ class MotionVariation {
   bool stops(int contact, const Arc& after);
   void check_held(const std::vector<HeldFriction>& held);
   void slips(const Arc& after, Crossing& crossing);
-  bool jumps(const Arc& after) const;
+  bool jumps(const Arc& after);
   void cross_knot(const Arc& after);
   void watch_grazes(const Arc& arc, std::span<const Event> at_end);
   void reset(const Crossing& crossing, const Arc& after);

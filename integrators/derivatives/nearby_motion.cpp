@@ -97,6 +97,11 @@ std::size_t NearbyMotion::place_among_lasting(int contact) const {
   return static_cast<std::size_t>(std::ranges::find(lasting, contact) - lasting.begin());
 }
 
+double NearbyMotion::normal_force(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  motion_.accelerations(t, q, v, a_);
+  return motion_.normal_force(place_among_lasting(contact));
+}
+
 double NearbyMotion::tangent_force(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   motion_.accelerations(t, q, v, a_);
   return motion_.tangent_force(place_among_lasting(contact));

@@ -38,15 +38,21 @@ class NearbyMotion {
   double gap_acceleration(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                           const Eigen::VectorXd& a);
   Eigen::VectorXd tangent_push(int contact, double t, const Eigen::VectorXd& q);  // W_Tᵀ
-  double gap_scale(int contact, double t, const Eigen::VectorXd& q);  // Σ |J_k q_k| of its row
+  double gap_scale(int contact, double t, const Eigen::VectorXd& q);              // Σ |J_k q_k| of its row
   /// μ_static λ_N − side λ_T of a lasting contact [N], side = ±1 the sense of λ_T; its rate along the motion [N/s],
   /// from the `length` seconds before.
   double room(int contact, int side, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   double room_rate(int contact, int side, double t, double length, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                    const Eigen::VectorXd& a);
+  double normal_force(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);   // [N]
   double tangent_force(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // [N]
   bool accelerations(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& a) {
     return motion_.accelerations(t, q, v, a);
+  }
+  /// The largest acceleration that the body forces alone would make.
+  double free_acceleration(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    motion_.accelerations(t, q, v, a_);
+    return motion_.free().lpNorm<Eigen::Infinity>();
   }
   /// The struck contacts' gaps are closed along the directions of their pushes, as if they fell back at once.
   void touch(const std::vector<Struck>& struck, double t, Eigen::VectorXd& q);

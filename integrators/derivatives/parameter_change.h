@@ -50,6 +50,7 @@ template <class Space> struct ParameterChangeOf {
   std::vector<std::pair<int, Eigen::Matrix3d>> inertia;          // in space: bodies, in their axes
   Eigen::VectorXd start_q, start_v;                              // of the scenes' initial states; dof
   std::vector<std::pair<double, double>> knots;                  // breakpoints that move: time, its derivative [s]
+  std::vector<std::pair<double, double>> drive_knots;            // likewise, of the tables of drives
   bool moves_drive = false;                                      // the times of a drive's table change
   double step = 0;
   int side = 0;                             // ±1: the scenes lie on this side only
@@ -90,6 +91,14 @@ std::vector<char> begun_frictions(std::type_identity_t<std::span<const Parameter
 template <class Space>
 std::vector<std::string> one_sided_in_words(const std::vector<RunParameterOf<Space>>& parameters,
                                             const std::vector<ParameterChangeOf<Space>>& changes);
+
+/// In words: parameters that move a breakpoint which a fixed step evaluates, to another piece of its table. loads, drives:
+/// the places in each step where they are evaluated, of its length. Empty: there is none.
+template <class Space>
+std::vector<std::string> evaluated_knots_in_words(const std::vector<RunParameterOf<Space>>& parameters,
+                                                  const std::vector<ParameterChangeOf<Space>>& changes, double step,
+                                                  double duration, std::span<const double> loads,
+                                                  std::span<const double> drives);
 
 /// Whether all elements are alike, at the start and at three times: of scenes that differ in how they are written.
 template <class Space> bool same_elements(const SystemOf<Space>& one, const SystemOf<Space>& other);

@@ -21,6 +21,7 @@ RattleLinearization::RattleLinearization(const System& system, const RattleOptio
       second_(system),
       saddle_(system),
       slopes_(static_cast<std::size_t>(system.joint_rows())) {
+  refuse_impact_laws(system.scene());
   if (!system.scene().collisions.empty())
     throw std::invalid_argument("derivatives of a step: collisions that are searched have none here");
   const Index dof = system.dof();

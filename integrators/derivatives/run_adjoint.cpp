@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 namespace orthant {
@@ -40,7 +41,11 @@ template <class Space, class Options> class Adjoint {
         start_(system),
         W_(static_cast<Index>(columns.size()), scalars) {
     for (const auto& parameter : parameters) changes_.push_back(changes_of(parameter, system, clock.duration));
+    using Scheme = StepSchemeOf<Options, Space>;
     result_.warnings = one_sided_in_words(parameters, changes_);
+    std::ranges::move(evaluated_knots_in_words(parameters, changes_, clock.step, clock.duration,
+                                               Scheme::loads_at(options), Scheme::drives_at(options)),
+                      std::back_inserter(result_.warnings));
     linear_.begin_friction(begun_frictions(changes_, system));
     parts_.resize(changes_.size());
     result_.value.setZero(scalars);

@@ -18,14 +18,21 @@ template <class Options, class Space = Planar> struct StepSchemeOf;
 template <> struct StepSchemeOf<MoreauJeanOptions> {
   using Integrator = MoreauJean;
   using Linearization = StepLinearization;
+  /// In each step, of its length: where loads are evaluated, and where drives are.
+  static std::vector<double> loads_at(const MoreauJeanOptions& options) { return {options.theta}; }
+  static std::vector<double> drives_at(const MoreauJeanOptions& options) { return {options.theta, 1}; }
 };
 template <> struct StepSchemeOf<MoreauJeanOptions, Spatial> {
   using Integrator = MoreauJeanOf<Spatial>;
   using Linearization = SpatialStepLinearization;
+  static std::vector<double> loads_at(const MoreauJeanOptions& options) { return {options.theta}; }
+  static std::vector<double> drives_at(const MoreauJeanOptions& options) { return {options.theta, 1}; }
 };
 template <> struct StepSchemeOf<RattleOptions> {
   using Integrator = Rattle;
   using Linearization = RattleLinearization;
+  static std::vector<double> loads_at(const RattleOptions& /*options*/) { return {1}; }
+  static std::vector<double> drives_at(const RattleOptions& /*options*/) { return {1}; }
 };
 
 struct RunColumn {

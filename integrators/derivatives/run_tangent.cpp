@@ -1,6 +1,8 @@
 #include <orthant/integrators/derivatives/run_tangent.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace orthant {
 
@@ -17,6 +19,9 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
   for (const auto& parameter : parameters) changes.push_back(changes_of(parameter, system, clock.duration));
   RunTangent result;
   result.warnings = one_sided_in_words(parameters, changes);
+  std::ranges::move(evaluated_knots_in_words(parameters, changes, clock.step, clock.duration, Scheme::loads_at(options),
+                                             Scheme::drives_at(options)),
+                    std::back_inserter(result.warnings));
   typename Scheme::Integrator integrator(system, options);
   typename Scheme::Linearization linear(system, options);
   StartLinearizationOf<Space> start(system);

@@ -32,6 +32,11 @@ void SpatialStepTrace::take(const MoreauJeanOf<Spatial>& integrator, const State
     contacts.push_back(integrator.closed()[k].contact);
     places.push_back({formulation.normal_row(k), formulation.tangent_row(k)});
   }
+  if (formulation.size() > 0)
+    formulation.step_problem().each_contact([&](Index normal, Index, Index, const auto& c) {
+      for (Place& place : places)
+        if (place.normal == normal) place.inelastic = c.elastic == 0 && c.elastic_along == decltype(c.elastic_along){};
+    });
   for (const Friction& f : friction) {
     const auto k = static_cast<std::size_t>(
         std::ranges::find_if(places, [&](const Place& p) { return p.normal == f.normal; }) - places.begin());
@@ -47,6 +52,10 @@ void SpatialStepTrace::take(const MoreauJeanOf<Spatial>& integrator, const State
 
 SpatialStepLinearization::SpatialStepLinearization(const System& system, const MoreauJeanOptions& options)
     : system_(system), options_(options), terms_(system), independent_(system), saddle_(system), projection_(system) {
+  refuse_impact_laws(system.scene());
+  if (options.sleep.after > 0)
+    throw std::invalid_argument("derivatives of a run: option sleep_after = " + detail::text_of(options.sleep.after) +
+                                ": must be 0, as bodies that sleep have none");
   if (options.joints != Joints::symmetric)
     throw std::invalid_argument("derivatives of a run: option joints: must be symmetric");
   if (options.form != Form::reduced)
@@ -106,7 +115,9 @@ void SpatialStepLinearization::find_strikes() {
   bool any = false;
   for (std::size_t k = 0; k < step_.contacts.size(); ++k) {
     const ContactLaw& law = system_.law(step_.contacts[k]);
-    if (step_.places[k].normal >= 0) e_[step_.places[k].normal] = law.e;
+    Trace::Place& place = step_.places[k];
+    place.inelastic = place.inelastic && apply(surfaces_[k].rows[0], step_.before.v.data()) < 0;
+    if (place.normal >= 0) e_[place.normal] = place.inelastic ? 0 : law.e;
     any = any || (step_.places[k].tangent >= 0 && law.e_t != 0);
   }
   if (!any) return;
@@ -115,7 +126,8 @@ void SpatialStepLinearization::find_strikes() {
     const ContactLaw& law = system_.law(step_.contacts[k]);
     const Row& normal = surfaces_[k].rows[0];
     const double approach = apply(normal, step_.before.v.data());
-    step_.places[k].strikes = -approach > kRestSpeed * law.unit + std::abs(apply(normal, change_.data()));
+    step_.places[k].strikes =
+        !step_.places[k].inelastic && -approach > kRestSpeed * law.unit + std::abs(apply(normal, change_.data()));
     if (const Index t = step_.places[k].tangent; t >= 0 && step_.places[k].strikes) e_[t] = e_[t + 1] = law.e_t;
   }
 }

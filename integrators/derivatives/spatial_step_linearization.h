@@ -29,6 +29,7 @@ struct SpatialStepTrace {
   struct Place {  // first rows of the problem; −1: none
     Index normal = -1, tangent = -1, rolling = -1, spinning = -1;
     bool strikes = false;
+    bool inelastic = false;  // as StepTrace::Place
   };
   enum class Coefficient { kinetic, fixed, rolling, spinning };  // fixed: the static one
   double h = 0;                                                  // [s]

@@ -29,7 +29,8 @@ void SpatialStepLinearization::law_parts(const ParameterChangeOf<Spatial>& param
     for (std::size_t k = 0; k < step_.places.size(); ++k) {
       const Trace::Place& place = step_.places[k];
       if (d.contact != step_.contacts[k] || place.normal < 0) continue;
-      if (d.e != 0) part.emplace_back(rates + place.normal, d.e * apply(rows_[at(place.normal)], v.data()));
+      if (d.e != 0 && !step_.places[k].inelastic)
+        part.emplace_back(rates + place.normal, d.e * apply(rows_[at(place.normal)], v.data()));
       if (d.e_t != 0 && place.tangent >= 0 && place.strikes)
         for (const Index t : {place.tangent, place.tangent + 1})
           part.emplace_back(rates + t, d.e_t * (apply(rows_[at(t)], v.data()) - belt_[t]));

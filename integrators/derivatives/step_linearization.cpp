@@ -34,6 +34,11 @@ void StepTrace::take(const MoreauJean& integrator, const State& x, double durati
     contacts.push_back(integrator.closed()[k].contact);
     places.push_back({formulation.normal_row(k), formulation.tangent_row(k), false});
   }
+  if (formulation.size() > 0)
+    formulation.step_problem().each_contact([&](Index normal, Index, Index, const auto& c) {
+      for (Place& place : places)
+        if (place.normal == normal) place.inelastic = c.elastic == 0 && c.elastic_along == decltype(c.elastic_along){};
+    });
   for (const Friction& f : problem.friction)
     for (std::size_t k = 0; k < places.size(); ++k)
       if (places[k].tangent == f.first) mu_of.emplace_back(contacts[k], f.mu != system.law(contacts[k]).mu);
@@ -48,6 +53,10 @@ StepLinearization::StepLinearization(const System& system, const MoreauJeanOptio
       slopes_(static_cast<std::size_t>(system.joint_rows())),
       none_(Eigen::VectorXd::Zero(system.joint_rows())),
       unused_joints_(system.joint_rows()) {
+  refuse_impact_laws(system.scene());
+  if (options.sleep.after > 0)
+    throw std::invalid_argument("derivatives of a run: option sleep_after = " + detail::text_of(options.sleep.after) +
+                                ": must be 0, as bodies that sleep have none");
   if (options.joints != Joints::symmetric)
     throw std::invalid_argument("derivatives of a run: option joints: must be symmetric");
   if (options.form != Form::reduced)
@@ -140,6 +149,9 @@ void StepLinearization::set_up(const StepTrace& given) {
   for (Index i = step.first_friction; i < step.rows; ++i)
     rows_[at(i)] = system_.scene().frictions[at(i - step.first_friction)].of.row(terms_.at);
 
+  for (std::size_t k = 0; k < places_.size(); ++k)
+    places_[k].inelastic = places_[k].inelastic && apply(terms_.closed[k].rows.normal, x.v.data()) < 0;
+
   // v' for the z of the step; before, where it matters, v_free, which tells what strikes.
   force_ = h * terms_.f, fixed_ = x.v / a, unused_joints_ = terms_.joint_rate / a;
   joint_.setZero(system_.joint_rows());
@@ -149,8 +161,9 @@ void StepLinearization::set_up(const StepTrace& given) {
   if (tangents) solve();
   for (std::size_t k = 0; k < places_.size() && tangents; ++k) {
     const double approach = apply(terms_.closed[k].rows.normal, x.v.data());
-    places_[k].strikes = -approach > kRestSpeed * system_.law(terms_.closed[k].contact).unit +
-                                         std::abs(apply(terms_.closed[k].rows.normal, change_.data()));
+    places_[k].strikes =
+        !places_[k].inelastic && -approach > kRestSpeed * system_.law(terms_.closed[k].contact).unit +
+                                                 std::abs(apply(terms_.closed[k].rows.normal, change_.data()));
   }
   for (Index i = 0; i < step.rows; ++i) apply_transposed(rows_[at(i)], step.z[i], force_.data());
   solve();
@@ -220,7 +233,7 @@ void StepLinearization::linearize_rows() {
       fixed_ = v_new_ + e * step.before.v;
       add_row(row, slope, step.z[z_row], fixed_, e, dof + joints + z_row);
     };
-    add(rows.normal, both[0], place.normal, law.e);
+    add(rows.normal, both[0], place.normal, place.inelastic ? 0 : law.e);
     if (place.tangent >= 0) add(rows.tangent, both[1], place.tangent, place.strikes ? law.e_t : 0);
   }
   for (Index i = step.first_friction; i < step.rows; ++i) {

@@ -30,6 +30,7 @@ struct StepTrace {
   struct Place {
     Index normal = -1, tangent = -1;  // rows of the problem; −1: none
     bool strikes = false;
+    bool inelastic = false;  // its targets hold no restitution; of a contact that approaches: e = e_t = 0 in the step
   };
   double h = 0;  // [s]
   State before, after;
@@ -52,6 +53,15 @@ struct ImpulseChange {
 
 /// Throws std::runtime_error for tangents or adjoints that are not finite any more, of a step from t on.
 void refuse_overflow(bool finite, double t);
+
+/// Throws std::invalid_argument for laws of impacts without derivatives, whether the run has impacts or not.
+template <class Scene> void refuse_impact_laws(const Scene& scene) {
+  if (scene.contacts.empty()) return;
+  if (scene.restitution != Restitution::newton)
+    throw std::invalid_argument("derivatives of a run: restitution = poisson: must be newton");
+  if (scene.impacts != Impacts::simultaneous)
+    throw std::invalid_argument("derivatives of a run: impacts = sequential: must be simultaneous");
+}
 
 class StepLinearization {
  public:

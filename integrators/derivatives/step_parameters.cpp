@@ -29,7 +29,7 @@ void StepLinearization::contact_parts(const ParameterChange& parameter, SparsePa
     if (place.normal < 0) continue;
     for (const ParameterChange::Law& d : parameter.laws) {
       if (d.contact != step.contacts[k]) continue;
-      if (d.e != 0) part.emplace_back(rates + place.normal, d.e * apply(rows.normal, v.data()));
+      if (d.e != 0 && !place.inelastic) part.emplace_back(rates + place.normal, d.e * apply(rows.normal, v.data()));
       if (place.tangent < 0) continue;
       const ContactLaw& law = system_.law(d.contact);
       double by = -d.belt;
@@ -41,13 +41,13 @@ void StepLinearization::contact_parts(const ParameterChange& parameter, SparsePa
     const auto contact = static_cast<std::size_t>(step.contacts[k]);
     const ContactLaw& law = system_.law(step.contacts[k]);
     const double normal = step.z[place.normal], tangent = place.tangent >= 0 ? step.z[place.tangent] : 0;
-    const double e_t = place.strikes ? law.e_t : 0;
+    const double e = place.inelastic ? 0 : law.e, e_t = place.strikes ? law.e_t : 0;
     const auto d = parameter.derivative<8>([&](const System& s, std::array<double, 8>& x) {
       const ContactRows there =
           std::visit([&](const auto& c) { return c.rows(terms_.at); }, s.scene().contacts[contact]);
       const auto one = entries_of(there.normal), other = entries_of(there.tangent);
       for (std::size_t i = 0; i < 6; ++i) x[i] = normal * one[i] + tangent * other[i];
-      x[6] = apply(there.normal, v_new_.data()) + law.e * apply(there.normal, v.data());
+      x[6] = apply(there.normal, v_new_.data()) + e * apply(there.normal, v.data());
       x[7] = apply(there.tangent, v_new_.data()) + e_t * apply(there.tangent, v.data());
     });
     for (int i = 0; i < 6; ++i)
