@@ -15,6 +15,7 @@ namespace {
 // Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
 constexpr double kFar = 100;
 constexpr Index kMostWithRoom = 30;  // rows up to which other proofs are sought near one that rounding spoils
+constexpr Index kTakenNow = 50000;   // rows up to which a solve takes memory for the judge's further looks in any case
 // Of the largest |b|: a residual below it may be that of rows with small terms only.
 constexpr double kFine = 1e-10;
 
@@ -313,8 +314,10 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
     s.z.setZero();
   }
   s.w.resize(n);
-  fine_rows_.reserve(n);
-  if (put_.z.size() < n) put_.z.resize(n), put_.w.resize(n);
+  if (n <= kTakenNow) {
+    fine_rows_.reserve(n);
+    if (put_.z.size() < n) put_.z.resize(n), put_.w.resize(n);
+  }
   if (!finite(problem)) {
     s.w.setConstant(std::numeric_limits<double>::quiet_NaN());
     s.status = Status::numerical_error;

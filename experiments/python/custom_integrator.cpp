@@ -36,7 +36,7 @@ class PythonStep {
   py::array_t<double> mass() const { return to_numpy(work().system.mass()); }
   py::array_t<double> laws(double ContactLaw::*what) const {
     Vector values;
-    values.resize(static_cast<Index>(work().system.laws().size()));
+    values.resize(work().system.contacts());
     for (Index i = 0; i < values.size(); ++i) values[i] = work().system.law(static_cast<int>(i)).*what;
     return to_numpy(values);
   }

@@ -7,21 +7,28 @@
 // stands the slope of each quantity in a log-log fit over the number of contacts. The second table has each solver's
 // time on the last step's problem, from a cold start, until the judge accepts a residual (relative to the problem's
 // data).
+// With --data there is one CSV file instead: a line for each number of bodies and of threads, each of a process of its
+// own from the start on, with the hash of its last state.
 // With --columns there is one table only: of spheres on top of one another, at rest, the iterations of each solver and
 // its factorizations from a cold start to the first of the residuals.
 #include "experiments/support/between.h"
 #include "experiments/support/command_line.h"
+#include "experiments/support/isolated.h"
 #include "experiments/support/reference_kernel.h"
 
+#include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/mechanics/spatial/solid.h>
 #include <orthant/core/scenes/pile.h>
 #include <orthant/core/scenes/spheres.h>
+#include <orthant/core/support/hash.h>
+#include <orthant/integrators/fixed_step/velocity_stepping.h>
 #include <orthant/integrators/registry.h>
 #include <orthant/solvers/registry.h>
 
 #include <CLI/CLI.hpp>
 
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -74,7 +81,11 @@ struct Cost {
   double body_bytes = 0, contact_bytes = 0;          // of one
   double residual = 0, penetration = 0;              // the largest [g h, m]
   Index rows = 0;
-  Lcp problem;  // of the last step, where it is wanted
+  double processor = 0;                  // [s] a step, of all threads
+  double peak = 0;                       // [B] of the process
+  double scale_free = 0;                 // residual of the last step's problem (certify_cones.h)
+  std::uint64_t state = kHashOfNothing;  // of the last q and v
+  Lcp problem;                           // of the last step, where it is wanted
 };
 
 double peak_memory() {  // [B]
@@ -90,12 +101,23 @@ double resident_memory() {  // [B]
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+double process_time() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::uint64_t hash_of(const Eigen::VectorXd& x, std::uint64_t hash) {
+  return fnv1a({reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)}, hash);
+}
+
 double wall_time() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 /// Throws std::runtime_error with the reason where a step ends without an answer.
-template <class System, class Scene> Cost settled(Scene&& scene, double gravity, const Settling& way, bool problem) {
+template <class Space, class Scene> Cost settled(Scene&& scene, double gravity, const Settling& way, bool problem) {
+  using System = SystemOf<Space>;
   Cost cost;
   const double before = resident_memory();
   const System system(std::forward<Scene>(scene));
@@ -115,9 +137,10 @@ template <class System, class Scene> Cost settled(Scene&& scene, double gravity,
   double bytes = 0;
   for (long k = 0; k < steps; ++k) {
     const auto turn = static_cast<std::size_t>(k < steps - counted ? turns - 1 : k % turns);
-    const double begin = thread_time(), wall = wall_time();
+    const double begin = thread_time(), wall = wall_time(), processor = process_time();
     const StepReport report = scheme->step(way.h, *solvers[turn], x);
     const double seconds = thread_time() - begin;
+    const double of_process = process_time() - processor;
     if (report.status != Status::solved)
       throw std::runtime_error("step " + std::to_string(k) + ": " + std::string(name(report.status)) + " " +
                                std::string(scheme->why()));
@@ -127,6 +150,7 @@ template <class System, class Scene> Cost settled(Scene&& scene, double gravity,
     for (const auto& impulse : scheme->impulses()) contacts += impulse.normal > 0;
     cost.contacts += contacts / static_cast<double>(counted);
     cost.iterations += report.lcp_iterations / static_cast<double>(counted);
+    cost.processor += of_process / static_cast<double>(counted);
     ++taken[turn], cost.wall[turn] += wall_time() - wall;
     if (way.threads[turn] == 1) cost.seconds += seconds;
     cost.residual = std::max(cost.residual, report.lcp_residual / (gravity * way.h));
@@ -139,6 +163,11 @@ template <class System, class Scene> Cost settled(Scene&& scene, double gravity,
     if (way.threads[turn] == 1) cost.seconds /= static_cast<double>(taken[turn]);
   }
   cost.contact_bytes = cost.contacts > 0 ? bytes / cost.contacts : 0;
+  cost.peak = peak_memory();
+  cost.state = hash_of(x.v, hash_of(x.q, cost.state));
+  if (const auto* stepping = dynamic_cast<const VelocitySteppingOf<Space>*>(scheme.get()))
+    if (const Vector& z = stepping->formulation().solution().z; z.size() == scheme->problem().size())
+      cost.scale_free = cone_residuals(scheme->problem(), z).scale_free;
   if (problem) cost.problem = scheme->problem();
   return cost;
 }
@@ -210,6 +239,56 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
 
 enum class Kind { discs, spheres, pour };
 
+Cost by_kind(Kind kind, int count, Pour pouring, const Settling& way, bool problem) {
+  pouring.count = count;
+  return kind == Kind::pour      ? settled<Spatial>(pour(pouring), pouring.g, way, problem)
+         : kind == Kind::spheres ? settled<Spatial>(spheres({.count = count}), kGravity, way, problem)
+                                 : settled<Planar>(pile({.discs = count}), kGravity, way, problem);
+}
+
+/// The file of --data. Returns the exit code: 3 where a case ends without an answer, or two numbers of threads differ.
+int write_data(const std::string& path, Kind kind, const std::vector<int>& sizes, const Pour& pouring,
+               const Settling& way) {
+  std::ofstream file(path);
+  file << "bodies,contacts,threads,sweeps,processor_us_a_contact,wall_ms,scale_free,overlap_um,peak_MB,B_a_contact,"
+          "state\n";
+  Isolated children(1, 0);
+  bool all = true;
+  for (const int count : sizes) {
+    std::string state;
+    for (const int threads : way.threads) {
+      Settling one = way;
+      one.threads = {threads};
+      const auto work = [&] {
+        const Cost cost = by_kind(kind, count, pouring, one, false);
+        std::ostringstream line;
+        line << std::setprecision(4) << count << ',' << std::lround(cost.contacts) << ',' << threads << ','
+             << cost.iterations << ',' << 1e6 * cost.processor / cost.contacts << ',' << 1e3 * cost.wall[0] << ','
+             << cost.scale_free << ',' << 1e6 * cost.penetration << ',' << std::lround(1e-6 * cost.peak) << ','
+             << std::lround(cost.peak / cost.contacts) << ',' << std::hex << cost.state;
+        return line.str();
+      };
+      children.start(work, 1e7, [&](const Outcome& outcome) {
+        if (outcome.kind != Outcome::finished) {
+          std::cerr << "pile_scaling: " << count << " bodies, " << outcome.text << '\n';
+          all = false;
+          return;
+        }
+        file << outcome.text << std::endl;
+        std::cout << outcome.text << std::endl;
+        const std::string hash = outcome.text.substr(outcome.text.rfind(',') + 1);
+        if (!state.empty() && hash != state) {
+          std::cerr << "pile_scaling: " << count << " bodies: the state depends on the number of threads\n";
+          all = false;
+        }
+        state = hash;
+      });
+      children.wait_for_all();
+    }
+  }
+  return all && file ? 0 : 3;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -219,7 +298,7 @@ int main(int argc, char** argv) try {
   std::vector<double> tolerances{1e-3, 1e-6, 1e-9};
   int dimension = 2;
   bool steps_only = false;
-  std::string poured;
+  std::string poured, data;
   std::vector<int> heights;
   Pour pouring;
   Settling way{
@@ -250,6 +329,7 @@ int main(int argc, char** argv) try {
   app.add_option("--threads", way.threads, "inside the solver, by turns; of pgs, psor, sgs, nncg in space")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  app.add_option("--data", data, "CSV file in place of the tables: each case in a process of its own");
   app.add_option("--time-limit", way.time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
   if (const auto end = parse(app, argc, argv)) return *end;
   const Kind kind = !poured.empty() ? Kind::pour : dimension == 3 ? Kind::spheres : Kind::discs;
@@ -264,6 +344,7 @@ int main(int argc, char** argv) try {
     columns(heights, specs, tolerances.front(), way);
     return 0;
   }
+  if (!data.empty()) return write_data(data, kind, sizes, pouring, way);
   const std::string bodies = kind == Kind::pour ? poured : kind == Kind::discs ? "discs" : "spheres";
   std::ostringstream solves;
   solves << "| " << bodies << " | rows | residual |";
@@ -281,11 +362,8 @@ int main(int argc, char** argv) try {
   std::vector<double> contacts, seconds, sweeps, memory;
   for (const int count : sizes) {
     Cost cost;
-    pouring.count = count;
     try {
-      cost = kind == Kind::pour      ? settled<SystemOf<Spatial>>(pour(pouring), pouring.g, way, !steps_only)
-             : kind == Kind::spheres ? settled<SystemOf<Spatial>>(spheres({.count = count}), kGravity, way, !steps_only)
-                                     : settled<System>(pile({.discs = count}), kGravity, way, !steps_only);
+      cost = by_kind(kind, count, pouring, way, !steps_only);
     } catch (const std::runtime_error& error) {
       std::cerr << "pile_scaling: " << count << ' ' << bodies << ", " << error.what() << '\n';
       return 3;

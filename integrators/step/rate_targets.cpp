@@ -4,8 +4,8 @@
 
 namespace orthant {
 
-template <class Space> void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms,
-                                        const Eigen::VectorXd& v, std::vector<RateTargetOf<Space>>& targets) {
+template <class Space> void newtons_law(const ContactLaws& laws, const TermsOf<Space>& terms, const Eigen::VectorXd& v,
+                                        std::vector<RateTargetOf<Space>>& targets) {
   targets.clear();
   for (const auto& c : terms.closed) {
     const ContactLaw& law = laws[static_cast<std::size_t>(c.contact)];
@@ -23,9 +23,9 @@ template <class Space> void restrict_to_strikes(std::vector<RateTargetOf<Space>>
     if (!(-w.approach > kRestSpeed * w.law->unit + std::abs(w.free - w.approach))) w.tangent = belt_of(w);
 }
 
-template void newtons_law(const std::vector<ContactLaw>&, const TermsOf<Planar>&, const Eigen::VectorXd&,
+template void newtons_law(const ContactLaws&, const TermsOf<Planar>&, const Eigen::VectorXd&,
                           std::vector<RateTargetOf<Planar>>&);
-template void newtons_law(const std::vector<ContactLaw>&, const TermsOf<Spatial>&, const Eigen::VectorXd&,
+template void newtons_law(const ContactLaws&, const TermsOf<Spatial>&, const Eigen::VectorXd&,
                           std::vector<RateTargetOf<Spatial>>&);
 template void restrict_to_strikes(std::vector<RateTargetOf<Planar>>&);
 template void restrict_to_strikes(std::vector<RateTargetOf<Spatial>>&);

@@ -42,8 +42,8 @@ template <class Space> Tangent<Space> belt_of(const RateTargetOf<Space>& w) {
 
 /// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`,
 /// one per contact of the scene: the system's, or others of a scheme's own.
-template <class Space> void newtons_law(const std::vector<ContactLaw>& laws, const TermsOf<Space>& terms,
-                                        const Eigen::VectorXd& v, std::vector<RateTargetOf<Space>>& targets);
+template <class Space> void newtons_law(const ContactLaws& laws, const TermsOf<Space>& terms, const Eigen::VectorXd& v,
+                                        std::vector<RateTargetOf<Space>>& targets);
 
 /// A slower approach is a contact at rest. [m/s], times law.unit
 inline constexpr double kRestSpeed = 1e-9;

@@ -74,7 +74,7 @@ template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system,
       cone_(cone),
       most_((cone == Cone::coulomb || kPlanar<Space> ? 1 + Space::kTangents : kEdges) * system.contacts() +
             std::ssize(system.scene().frictions) + joint_rows() +
-            3 * std::ranges::count_if(system.laws(), [](const ContactLaw& law) { return law.surface.turns(); })),
+            3 * system.laws().contacts_with([](const ContactLaw& law) { return law.surface.turns(); })),
       matrix_(system, system.scene().springs.empty() && (form == Form::full || system.joint_rows() == 0), most_,
               lcp_.A) {
   const auto contacts = static_cast<std::size_t>(system.contacts());
@@ -128,7 +128,8 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
     if (held(k) == Held::normal) continue;
     const bool slips = targets[k].law->frictional() && held(k) == Held::nowhere;
     const double mu = slips ? mu_at(*targets[k].law, targets[k].slip) : 0;
-    contacts_.push_back({c.contact, k, targets[k].law, mu, targets[k].slip, slips && cone_ == Cone::coulomb});
+    contacts_.push_back({c.contact, static_cast<std::uint32_t>(k), targets[k].law, mu, targets[k].slip,
+                         slips && cone_ == Cone::coulomb});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
     places_[k].normal = static_cast<Index>(rows_.size());
     if constexpr (kPlanar<Space>) {

@@ -13,6 +13,7 @@
 #include <orthant/integrators/step/step_matrix.h>
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -38,9 +39,9 @@ template <class Space> class StepProblemOf {
 
   struct NoDirection {};
   using Along = std::conditional_t<kPlanar<Space>, NoDirection, Tangents>;
-  struct Contact {           // a closed one, in the order of its normal row
-    int index = 0;           // in the scene
-    std::size_t closed = 0;  // among the closed ones
+  struct Contact {             // a closed one, in the order of its normal row
+    int index = 0;             // in the scene
+    std::uint32_t closed = 0;  // among the closed ones
     const ContactLaw* law = nullptr;
     double mu = 0;
     Tangent<Space> slip{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace orthant {
 
@@ -37,6 +38,7 @@ std::string Multigrid::why_not(const Lcp& problem) const {
 
 void Multigrid::load(const Lcp& problem, Vector& z) {
   A_ = rows_of(problem.A, rows_);
+  still_ = 0;
   symmetric_ = symmetric(*A_, next_);
   levels_.build(*A_, budget());
   const bool cold = z.lpNorm<Eigen::Infinity>() == 0;
@@ -152,8 +154,16 @@ Multigrid::Step Multigrid::cycle(std::size_t level, const Bounded& p, Vector& z)
   return step;
 }
 
+/// Ends where changes are those of rounding: a tolerance below that would take the cycles that are left.
 Multigrid::Step Multigrid::advance(const Lcp& problem, Vector& z) {
-  return cycle(0, {A_, &problem.b, &problem.lo, &problem.hi}, z);
+  constexpr int kCycles = 4;
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();  // of the largest A_ii |z_i|
+  Step step = cycle(0, {A_, &problem.b, &problem.lo, &problem.hi}, z);
+  double size = 0;
+  for (Index i = 0; i < z.size(); ++i) size = std::max(size, A_->entry(i, i) * std::abs(z[i]));
+  still_ = step.violation <= kRounding * size ? still_ + 1 : 0;
+  step.moved = step.moved && still_ < kCycles;
+  return step;
 }
 
 }  // namespace orthant

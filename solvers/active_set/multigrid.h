@@ -14,7 +14,8 @@
 //   cycles, O(nnz) each; no factorization. Unsymmetric M-matrices: in practice. Where A has few or no
 //   negative entries off the diagonal the levels give little, and the sweeps remain.
 //   Memory: the levels take 4 to 5 times as much as A.
-//   A_ii ≤ 0 or friction → unsupported.  The start value is used.  Ends: first_order.h.
+//   A_ii ≤ 0 or friction → unsupported.  The start value is used.  Ends: first_order.h; four cycles in a row whose
+//   last sweep changes no A_ii z_i by more than 4 ε of the largest → stalled, unless the judge accepts z.
 //   Source: Gräser & Kornhuber, J. Comput. Math. 27 (2009) 1-44; Kornhuber, Numer. Math. 69 (1994) 167-184.
 #pragma once
 
@@ -60,6 +61,7 @@ class Multigrid final : public FirstOrder {
   RowSparse rows_;  // of a matrix that is stored otherwise
   const RowSparse* A_ = nullptr;
   bool symmetric_ = false;
+  int still_ = 0;  // cycles so far that changed z by rounding only
   std::vector<char> held_;
   std::vector<int> next_;
   Vector w_, c_, Ac_;

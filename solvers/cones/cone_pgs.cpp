@@ -38,6 +38,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
   if (options_.threads > 1 && !team_) team_ = std::make_unique<ThreadTeam>(options_.threads);
   operator_sweeps_.load(form(), team_.get());
   operator_sweeps_.start(z);
+  if (finished(z, operator_sweeps_.residual(z))) return Claim::time_limit;
   begin_accelerated(z);
   double omega = options_.omega, mark = kInf, last = kInf;
   while (iterations < options_.max_sweeps) {

@@ -51,7 +51,7 @@ Claim ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
   if (start == Start::cold) z_.setZero();
   best_ = z_;
   target_ = 0.5 * tolerance();
-  Claim status = finished(z_) && solved_ ? Claim::candidate : iterate(z_, s.iterations);
+  Claim status = !unformed && finished(z_) && solved_ ? Claim::candidate : iterate(z_, s.iterations);
   if (!solved_) form_.from_scaled(best_, s.z);
   if (solved_) keep_passed(), status = Claim::candidate;
   return status;

@@ -25,7 +25,8 @@ class ConeSolver : public Solver {
   /// The method itself, in scaled numbers; z is the start on entry. It ends when finished() says so or its own limits
   /// are reached.
   virtual Claim iterate(Vector& z, int& iterations) = 0;
-  /// The method can do without the entries of A: operators of many rows stay unformed.
+  /// The method can do without the entries of A: operators of many rows stay unformed. It looks at the start itself
+  /// then, and needs no product with A.
   virtual bool takes_operators() const { return false; }
   /// The end: z solves the problem, or time is over. Fills residual().
   bool finished(const Vector& z);

@@ -129,8 +129,27 @@ void contact_fixed_point(ContactSearch& s, double rho) {
 
 }  // namespace
 
+namespace {
+
+bool of_one_disc(const Block& b, const double* A) {
+  return b.rows == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf && A[0] > 0;
+}
+
+}  // namespace
+
+bool DiscContact::solve_once(const Blocks& blocks, const Block& b, const double* A, const double* q, double* z) {
+  if (!of_one_disc(b, A)) return false;
+  if (!(q[0] < 0)) {
+    z[0] = z[1] = z[2] = 0;
+    return true;
+  }
+  DiscContact contact;
+  contact.prepare(blocks, b, A);
+  return contact.load(q, z);
+}
+
 void DiscContact::prepare(const Blocks& blocks, const Block& b, const double* A) {
-  disc_ = b.rows == 3 && b.parts == 1 && b.lo == 0 && b.hi == kInf && A[0] > 0;
+  disc_ = of_one_disc(b, A);
   if (!disc_) return;
   A_ = A, mu_ = blocks.parts(b)[0].mu;
   const Eigen::Map<const Eigen::Matrix3d> M(A);
@@ -211,9 +230,7 @@ double solve_contact(const Blocks& blocks, const Block& b, const double* A, cons
     const double now = A[0] * z[0] + q[0];
     return blocks.residual(b, z, &now);
   }
-  DiscContact disc;
-  disc.prepare(blocks, b, A);
-  if (disc.solve(q, z)) {
+  if (DiscContact::solve_once(blocks, b, A, q, z)) {
     const std::array<double, 3> w{A[0] * z[0] + A[3] * z[1] + A[6] * z[2] + q[0],
                                   A[1] * z[0] + A[4] * z[1] + A[7] * z[2] + q[1],
                                   A[2] * z[0] + A[5] * z[1] + A[8] * z[2] + q[2]};

@@ -27,6 +27,9 @@ class DiscContact {
  public:
   /// A: 3 × 3 by columns, it must outlive the solves.
   void prepare(const cones::Blocks& blocks, const cones::Block& block, const double* A);
+  /// The same of one q, nothing kept: what only a contact that is not open needs is computed then.
+  static bool solve_once(const cones::Blocks& blocks, const cones::Block& block, const double* A, const double* q,
+                         double* z);
   /// False where the block is another one, or Newton from nine directions ends nowhere: z is as it was.
   bool solve(const double* q, double* z) const {
     if (!disc_) return false;

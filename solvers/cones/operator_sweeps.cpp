@@ -23,7 +23,7 @@ void OperatorSweeps::load(const ConeForm& form, ThreadTeam* team) {
   form_ = &form, team_ = team != nullptr ? team : &alone_;
   domains_.load(form);
   const int count = form.blocks();
-  place_.resize(at(count)), alike_.resize(at(count)), contact_.resize(at(count));
+  place_.resize(at(count)), alike_.resize(at(count));
   int size = 0;
   for (int c = 0; c < count; ++c) place_[at(c)] = size, size += form.block(c).rows * form.block(c).rows;
   own_.resize(at(size));
@@ -63,7 +63,6 @@ void OperatorSweeps::find_own(int c) {
         value = sum[at(r + 3 * s)] + (r == s && regularization.size() != 0 ? regularization[row] : 0.0);
       own[r + b.rows * s] = form_->scale_of(row) * value * form_->scale_of(other);
     }
-  contact_[at(c)].prepare(form_->all(), b, own);
 }
 
 /// work(domain), colour by colour.
@@ -138,7 +137,8 @@ double OperatorSweeps::solve_block(int c, Vector& z, double omega) {
   for (int s = 0; s < m; ++s)
     for (int r = 0; r < m; ++r) q[at(r)] -= own[r + m * s] * mine[s];
   std::copy_n(mine, m, next.data());
-  if (!contact_[at(c)].solve(q.data(), next.data())) solve_contact(form_->all(), b, own, q.data(), next.data());
+  if (!DiscContact::solve_once(form_->all(), b, own, q.data(), next.data()))
+    solve_contact(form_->all(), b, own, q.data(), next.data());
   double moved = 0;
   for (int r = 0; r < m; ++r) {
     const double change = omega * (next[at(r)] - mine[r]);

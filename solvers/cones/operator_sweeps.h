@@ -49,7 +49,6 @@ class OperatorSweeps {
   std::vector<double> own_;  // A'_cc by columns, one after another
   std::vector<int> place_;   // per block, its own_
   std::vector<char> alike_;  // per block: three rows with entries in the same columns
-  std::vector<DiscContact> contact_;
   Vector state_;
   mutable std::vector<double> part_;  // per domain
   int since_fresh_ = 0;

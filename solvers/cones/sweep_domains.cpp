@@ -6,6 +6,8 @@
 namespace orthant {
 namespace {
 
+constexpr int kKept = 20000;  // contacts up to which scratch stays for the next problem
+
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64, by Steele, Lea & Flood (2014)
   x += 0x9E3779B97F4A7C15U;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
@@ -26,6 +28,12 @@ void SweepDomains::load(const ConeForm& form) {
   find_nodes(form);
   gather(count);
   colour();
+  if (count > kKept) {
+    for (auto* each : {&node_start_, &node_, &use_start_, &use_, &node_of_, &of_, &queue_, &colour_of_, &last_,
+                       &first_domain_, &next_domain_, &entry_})
+      *each = {};
+    hash_ = {}, queued_ = {};
+  }
 }
 
 /// use(column) for the entries of a block's rows; rows with the columns of the first one are passed over.

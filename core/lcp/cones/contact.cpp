@@ -6,6 +6,8 @@
 namespace orthant::cones {
 namespace {
 
+constexpr Index kKept = 50000;  // rows up to which scratch stays for the next problem
+
 double slip_length(const double* t, int rows) {
   if (rows == 1) return std::abs(t[0]);
   const double square = t[0] * t[0] + t[1] * t[1];
@@ -27,6 +29,8 @@ void Blocks::load(const Lcp& p) {
   for (std::size_t k = 0; k < p.friction.size(); ++k)
     entry_[at(place_[at(p.friction[k].normal)]++)] = static_cast<int>(k);
   blocks_.clear(), parts_.clear(), row_.clear();
+  row_.reserve(at(n)), parts_.reserve(p.friction.size());
+  blocks_.reserve(at(std::ranges::count(taken_, 0)));
   most_rows_ = 0;
   for (Index i = 0; i < n; ++i) {
     if (taken_[at(i)]) continue;
@@ -42,6 +46,7 @@ void Blocks::load(const Lcp& p) {
     most_rows_ = std::max(most_rows_, b.rows);
     blocks_.push_back(b);
   }
+  if (n > kKept) head_ = {}, place_ = {}, entry_ = {}, taken_ = {};
 }
 
 void Blocks::scale(const Matrix& A, Vector& d) const {

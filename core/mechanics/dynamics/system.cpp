@@ -155,8 +155,9 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene, Examined examined)
   }
   length_unit_ = unit_of(scene_);
   for (const auto& contact : scene_.contacts) {
-    laws_.push_back(std::visit([](const auto& c) { return c.law; }, contact));
-    laws_.back().unit = unit_of(contact, length_unit_);
+    ContactLaw law = std::visit([](const auto& c) { return c.law; }, contact);
+    law.unit = unit_of(contact, length_unit_);
+    laws_.add(law);
   }
   for (const auto& c : scene_.collisions) {
     const auto shapes = static_cast<double>(c.shapes.size());
@@ -165,9 +166,9 @@ template <class Space> SystemOf<Space>::SystemOf(Scene scene, Examined examined)
     const double most = std::ceil(pairs * most_points(c));
     if (most > 1e8) throw std::invalid_argument("collision \"" + c.name + "\": too many neighbours and shapes");
     pairs_.push_back(pairs_.back() + static_cast<int>(most));
-    laws_.resize(static_cast<std::size_t>(contacts()), c.law);
-    for (auto i = static_cast<std::size_t>(listed() + pairs_[pairs_.size() - 2]); i < laws_.size(); ++i)
-      laws_[i].unit = length_unit_;
+    ContactLaw law = c.law;
+    law.unit = length_unit_;
+    laws_.add_many(law, static_cast<int>(most));
   }
   for (const auto& load : scene_.loads) {
     breakpoints_.insert(breakpoints_.end(), load.breakpoints.begin(), load.breakpoints.end());

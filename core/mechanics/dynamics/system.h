@@ -1,6 +1,7 @@
 // core/mechanics/dynamics/system.h — mechanical system: index layout of a checked scene. Absent features cost nothing.
 #pragma once
 
+#include <orthant/core/mechanics/dynamics/contact_laws.h>
 #include <orthant/core/mechanics/dynamics/state.h>
 #include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/mechanics/spatial/scene.h>
@@ -37,8 +38,8 @@ template <class Space> class SystemOf {
 
   const Eigen::VectorXd& mass() const { return mass_; }  // dof: m, m, J of each body; in space m, m, m, J1, J2, J3
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  // dof
-  const Eigen::VectorXd& weight() const { return weight_; }      // dof: M g [N, N, 0]; in space [N, N, N, 0, 0, 0]
-  const std::vector<ContactLaw>& laws() const { return laws_; }  // one per contact
+  const Eigen::VectorXd& weight() const { return weight_; }  // dof: M g [N, N, 0]; in space [N, N, N, 0, 0, 0]
+  const ContactLaws& laws() const { return laws_; }          // by contact
   const ContactLaw& law(int contact) const { return laws_[static_cast<std::size_t>(contact)]; }
 
   /// The first time > t [s] at which an applied force or its slope jumps; infinity.
@@ -59,7 +60,7 @@ template <class Space> class SystemOf {
   std::vector<int> assembly_, cluster_;
   bool driven_ = false;
   Eigen::VectorXd mass_, inverse_mass_, weight_;
-  std::vector<ContactLaw> laws_;
+  ContactLaws laws_;
   std::vector<int> pairs_ = {0};
   std::vector<double> breakpoints_;  // [s] ascending, of all loads and drives
   double swing_ = 0, length_unit_ = 1;

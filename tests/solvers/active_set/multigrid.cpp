@@ -58,6 +58,18 @@ TEST_CASE("multigrid: as many cycles on fine grids as on coarse ones, no factori
   CHECK(most_cycles({american_basket_step(basket, payoff, 0.1)}) <= 20);
 }
 
+TEST_CASE("multigrid: a tolerance below rounding ends soon, and the judge says how near z is") {
+  for (const Index side : {63, 127}) {
+    const Lcp problem = journal_bearing(side, side);
+    const Solution usual = by("multigrid", problem), beyond = by("multigrid:tolerance=1e-18", problem);
+    INFO(side, ": ", name(beyond.status), " after ", beyond.iterations, ", at 1e-10 ", usual.iterations);
+    REQUIRE(usual.status == Status::solved);
+    CHECK(beyond.iterations <= usual.iterations + 20);  // of 500 that it may take
+    CHECK((beyond.status == Status::rounded || beyond.status == Status::stalled));
+    CHECK((beyond.z - usual.z).lpNorm<Eigen::Infinity>() <= 1e-8 * usual.z.lpNorm<Eigen::Infinity>());
+  }
+}
+
 TEST_CASE("multigrid: boxes and free rows, sparse, dense and as an operator, agree with Lemke") {
   Random random(40);
   for (int trial = 0; trial < 12; ++trial) {
