@@ -144,3 +144,99 @@ wall = {point = [0, 0], normal = [0, 1]}
       {"e", 1, [&](double x) { return from_text(text)({override_text("contact.floor.e_n", x)}); }}};
   CHECK(differentiate_run(resting, at_its_end, {}, *solver, clock).warnings.size() == 1);
 }
+
+TEST_CASE("tangent of a run: impacts whose restitution friction drops are differentiated without it") {
+  Scene s{.gravity = {0, -9.81}, .duration = 0.5};  // a corner falls into a wedge, one wall rough and elastic
+  const BodyId b = s.body({.mass = 1, .inertia = 0.008, .position = {0, 0.7736}, .angle = -1.1});
+  const Vector2d corner{0.137973661224488, -0.06311559442128316}, left{0.9805806756909202, 0.19611613513818404};
+  s.contact(CornerWall{{}, b, corner, kGround, {0, 0}, left, {}});
+  s.contact(CornerWall{{}, b, corner, kGround, {0, 0}, {-left.x(), left.y()}, {.mu = 0.5, .e = 0.5}});
+  const auto solver = make_solver("auto");
+  const auto with_e = [&](double e) {
+    Scene other = s;
+    std::get<CornerWall>(other.contacts[1]).law.e = e;
+    return other;
+  };
+  const auto spins = [&](double omega) {
+    Scene other = s;
+    other.bodies[0].omega = omega;
+    return other;
+  };
+  int dropped = 0;
+  for (const double h : {5e-3, 2e-3, 1e-3}) {
+    // To the end of the first step that drops restitution
+    const System system(s);
+    double end = 0;
+    MoreauJean method(system);
+    simulate(method, *solver, {.step = h, .duration = 0.5}, [&](const RunSample& m) {
+      if (end == 0 && m.report.plastic > 0) end = m.state.t;
+    });
+    if (end == 0) continue;
+    ++dropped;
+    const Clock clock{.step = h, .duration = end};
+    const RunTangent t =
+        differentiate_run(system, {{"e", 0.5, with_e}, {"omega", 0, spins}}, MoreauJeanOptions{}, *solver, clock);
+    const double step = 1e-6;
+    const auto difference = [&](const std::function<Scene(double)>& at, double x) -> Eigen::VectorXd {
+      return (run_by(System(at(x + step)), MoreauJeanOptions{}, *solver, clock).final.v -
+              run_by(System(at(x - step)), MoreauJeanOptions{}, *solver, clock).final.v) /
+             (2 * step);
+    };
+    CAPTURE(h);
+    const Eigen::VectorXd by_e = difference(with_e, 0.5), by_omega = difference(spins, 0);
+    CHECK((t.v.col(0) - by_e).lpNorm<Eigen::Infinity>() <= 1e-5 * (1 + by_e.lpNorm<Eigen::Infinity>()));
+    CHECK((t.v.col(1) - by_omega).lpNorm<Eigen::Infinity>() <= 1e-5 * (1 + by_omega.lpNorm<Eigen::Infinity>()));
+  }
+  CHECK(dropped > 0);
+}
+
+TEST_CASE("tangent of a run: laws of impacts and sleep are refused before it begins, also without an impact") {
+  const std::string ball = R"(
+[[body]]
+name = "b"
+mass = 1
+inertia = 1
+position = [0, 9]
+[[contact]]
+name = "floor"
+type = "disc-wall"
+body = "b"
+radius = 1
+wall = {normal = [0, 1]}
+)";
+  const auto solver = make_solver("auto");
+  const Clock clock{.step = 0.01, .duration = 0.1};
+  for (const std::string law : {"restitution = \"poisson\"\n", "impacts = \"sequential\"\n"})
+    for (const StepScheme& scheme : {StepScheme(MoreauJeanOptions{}), StepScheme(RattleOptions{})})
+      CHECK_THROWS_AS(differentiate_run(System(from_text(law + ball)({})), {}, scheme, *solver, clock),
+                      std::invalid_argument);
+  MoreauJeanOptions sleeps;
+  sleeps.sleep.after = 1;
+  CHECK_THROWS_WITH(differentiate_run(System(from_text(ball)({})), {}, sleeps, *solver, clock),
+                    "derivatives of a run: option sleep_after = 1: must be 0, as bodies that sleep have none");
+}
+
+TEST_CASE("tangent of a run: a table's time that a step evaluates has one-sided derivatives, and is named") {
+  const std::string text = R"(
+[[body]]
+name = "b"
+mass = 1
+inertia = 1
+[[load]]
+name = "push"
+body = "b"
+force = [1, 0]
+factor = {type = "table", times = [0, 0.5, 1], values = [0, 1, 0]}
+)";
+  const auto solver = make_solver("auto");
+  const std::vector<RunParameter> parameters = {
+      {"time", 0.5, [&](double x) {
+         return from_text(text)({"load.push.factor.times=[0, " + override_text("", x).substr(1) + ", 1]"});
+       }}};
+  const System system(from_text(text)({}));
+  // theta = 1/2: 0.1 / 2 + 4 * 0.1 < 0.5 < 0.1 / 2 + 5 * 0.1, and 0.5 = 0.2 / 2 + 2 * 0.2
+  CHECK(differentiate_run(system, parameters, {}, *solver, {.step = 0.1, .duration = 1}).warnings.empty());
+  const RunTangent t = differentiate_run(system, parameters, {}, *solver, {.step = 0.2, .duration = 1});
+  REQUIRE(t.warnings.size() == 1);
+  CHECK(t.warnings[0].find("time moves the time 0.5 s of a table, which is evaluated there") == 0);
+}
