@@ -92,8 +92,8 @@ template <class Space>
 std::vector<std::string> one_sided_in_words(const std::vector<RunParameterOf<Space>>& parameters,
                                             const std::vector<ParameterChangeOf<Space>>& changes);
 
-/// In words: parameters that move a breakpoint which a fixed step evaluates, to another piece of its table. loads, drives:
-/// the places in each step where they are evaluated, of its length. Empty: there is none.
+/// In words: parameters that move a breakpoint which a fixed step evaluates, to another piece of its table. loads,
+/// drives: the places in each step where they are evaluated, of its length. Empty: there is none.
 template <class Space>
 std::vector<std::string> evaluated_knots_in_words(const std::vector<RunParameterOf<Space>>& parameters,
                                                   const std::vector<ParameterChangeOf<Space>>& changes, double step,

@@ -255,7 +255,7 @@ def test_products_with_the_jacobian_of_a_run_and_its_transpose():
     (lambda run: run.gradient("crank.theta", "mu", mode=[]), r"mode = \[\]: must be 'auto', 'forward' or 'reverse'"),
     (lambda run: orthant.gradient("slider_crank", "crank.theta", "mu", step="small"), "step = 'small': must be a num"),
     (lambda run: orthant.lyapunov("impact_oscillator", duration=None), r"duration = None: must be a number \[s\]"),
-    (lambda run: orthant.lyapunov("impact_oscillator", duration=1.0, transient=None), "transient = None: must be a num"),
+    (lambda run: orthant.lyapunov("impact_oscillator", duration=1.0, transient=None), "transient = None: must be a nu"),
     (lambda run: orthant.lyapunov("impact_oscillator", duration=1.0, transient=-1), "transient = -1: must be >= 0"),
     (lambda run: orthant.sensitivity("x", "y"), "problem = 'x': must be a Problem"),
 ])
@@ -269,7 +269,8 @@ def test_wrong_arguments_of_derivatives_are_named_with_the_rule(call, rule):
 def test_wrong_arguments_of_products_of_a_solution_are_named():
     problem = orthant.Problem(np.diag([2.0, 1.0]), [-2.0, 1.0])
     s = orthant.sensitivity(problem, orthant.solve(problem))
-    for call, field in [(lambda: s.jvp(dq="x"), "dq"), (lambda: s.jvp(dq={"a": 1}), "dq"), (lambda: s.jvp(dM="x"), "dM"),
+    for call, field in [(lambda: s.jvp(dq="x"), "dq"), (lambda: s.jvp(dq={"a": 1}), "dq"),
+                        (lambda: s.jvp(dM="x"), "dM"),
                         (lambda: s.jvp(dmu=1.0), "dmu"), (lambda: s.directional(dlo=[1.0]), "dlo"),
                         (lambda: s.vjp("x"), "g"), (lambda: s.vjp(None), "g"), (lambda: s.vjp([1.0, 0], h="x"), "h"),
                         (lambda: s.vjp([1.0, np.nan]), "g")]:
