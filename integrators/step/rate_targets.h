@@ -40,8 +40,8 @@ template <class Space> Tangent<Space> belt_of(const RateTargetOf<Space>& w) {
     return w.belt;
 }
 
-/// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`,
-/// one per contact of the scene: the system's, or others of a scheme's own.
+/// Newton's law: −e γ_N⁻ and −e_T γ_T⁻ (against the moving surface) of each closed contact, v before the step. `laws`:
+/// the system's.
 template <class Space> void newtons_law(const ContactLaws& laws, const TermsOf<Space>& terms, const Eigen::VectorXd& v,
                                         std::vector<RateTargetOf<Space>>& targets);
 
