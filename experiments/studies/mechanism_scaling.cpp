@@ -6,8 +6,8 @@
 //          row by the ground; every body begins with some velocity
 //   track  a vehicle: links in a closed chain round two wheels, on the ground (studies/support/track.h); in the plane
 // In space rods have ball joints, and nets may leave their plane. Joints: revolute or spherical, bars: distance. Only
-// the track has contacts: else a step is the evaluation of the joints, a factorization of the saddle matrix, its solves,
-// and the projection of positions onto the joints.
+// the track has contacts: else a step is the evaluation of the joints, a factorization of the saddle matrix, its
+// solves, and the projection of positions onto the joints.
 //
 // A Markdown table: processor time of a step per body, the median of the counted ones; that of the first step with the
 // integrator's construction (the order of elimination is found there, once) per body; memory at its peak per body, less

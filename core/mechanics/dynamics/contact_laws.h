@@ -1,4 +1,4 @@
-// core/mechanics/dynamics/contact_laws.h — laws of all contacts of a system: of each listed one, and one a collision set.
+// core/mechanics/dynamics/contact_laws.h — laws of contacts of a system: of each listed one, and one a collision set.
 //
 //   A law has 176 bytes, and a set has room for millions of pairs: theirs is stored once.
 #pragma once

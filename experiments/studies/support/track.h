@@ -6,8 +6,8 @@
 namespace orthant {
 
 /// A sixth of the links lies on each wheel; the rest is above and below, half of it on the ground. Pins are discs that
-/// wheels and ground carry by friction. A motor turns the rear wheel from rest; the axle of the front wheel slides in the
-/// hull, and a spring tightens the track.
+/// wheels and ground carry by friction. A motor turns the rear wheel from rest. The axle of the front wheel slides in
+/// the hull, and a spring tightens the track.
 struct Track {
   int links = 150;        // a multiple of 6, at least 24
   double pitch = 0.1;     // [m] from pin to pin
