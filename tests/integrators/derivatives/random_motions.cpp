@@ -26,9 +26,9 @@ struct RandomMotion {
 };
 
 /// Numbers that are the same on every system.
-class Dice {
+class Draws {
  public:
-  explicit Dice(unsigned seed) : bits_(seed) {}
+  explicit Draws(unsigned seed) : bits_(seed) {}
   double between(double low, double high) {
     const double x = low + (high - low) * static_cast<double>(bits_()) / 4294967296.0;
     return std::round(1000 * x) / 1000;
@@ -44,7 +44,7 @@ std::string text_of(double x) { return override_text("", x).substr(1); }
 std::string pair_of(double x, double y) { return "[" + text_of(x) + ", " + text_of(y) + "]"; }
 
 RandomMotion random_motion(unsigned seed) {
-  Dice dice(seed);
+  Draws dice(seed);
   const bool flies = dice.one_in(3), ball = dice.one_in(4), table = !flies && dice.one_in(4);
   const double pull = dice.zero_or(-4, 4), y = flies ? dice.between(0.16, 0.4) : 0.15;
   const double vx = dice.zero_or(-2, 2), vy = table ? 1.5 : flies ? dice.zero_or(-2, 1) : 0;
@@ -151,8 +151,9 @@ bool is_of_side(const RandomMotion& motion, const MotionKey& key, const std::str
   for (const double h : {1e-5, 1e-6, 3e-7, 1e-7}) {
     std::array<Eigen::VectorXd, 2> there;
     try {
-      for (int k = 0; k < 2; ++k)
-        there[k] = end_of(scene_at(motion, key, key.value + side * (k + 1) * h), method, solver);
+      for (const int k : {1, 2})
+        there[static_cast<std::size_t>(k - 1)] =
+            end_of(scene_at(motion, key, key.value + side * k * h), method, solver);
     } catch (const std::invalid_argument&) {
       return true;  // out of its range: there is no such side
     }
