@@ -319,7 +319,8 @@ def lyapunov(scene: Any, count: int = 1, *, duration: float, transient: float = 
     if duration is None:
         raise TypeError("duration = None: must be a number [s]")
     call = _Call(scene, integrator, solver, None, duration, 1)
-    integrator, solver, _, length, _ = call.how
+    integrator, solver = call.how[:2]
+    length = float(duration)
     if (rest := number("transient", transient)) < 0:
         raise ValueError(f"transient = {rest:g}: must be >= 0 [s]")
     between = seconds("every", every) or length / 100
