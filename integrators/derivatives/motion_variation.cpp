@@ -156,6 +156,9 @@ void MotionVariation::start(const Arc& first) {
 void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Arc& first) {
   const double t = before_.start;
   std::vector<char> grips, from_rest;  // holds against a force; begins to slide
+  const bool damped = std::ranges::any_of(system_.scene().springs, [](const Spring& spring) {
+    return std::visit([](const auto& s) { return s.damping != 0; }, spring);
+  });
   for (const Struck& s : closed) {
     const ContactMode& mode = first.modes[static_cast<std::size_t>(s.contact)];
     base_.set_modes(first.modes);
@@ -204,6 +207,9 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       result_.warnings.push_back(parameter + " opens or closes contacts that hold at the start (" + gripped +
                                  "): the derivative is one-sided, " + of_side(opened.empty()) +
                                  ", where they stay closed; on the other side they fly and slip");
+    else if ((!opened.empty() || !sunk.empty()) && damped)
+      none(parameter + " opens or closes contacts that are closed at the start (" + contacts +
+           "): dampers act in the short flight that closes them again, which is not differentiated");
     else if (!opened.empty() || !sunk.empty() || rest)
       result_.warnings.push_back(parameter + " opens or closes contacts that are closed at the start (" + contacts +
                                  "): the derivative is one-sided, " +

@@ -429,6 +429,10 @@ mu = 0.4
   CHECK(of(slides, {"body.b.omega", "", "", 0}).none.find("on either side of the value") != std::string::npos);
   CHECK(of(level, push).warnings.empty());
   CHECK(of(holds, push).warnings.empty());
+  const std::string damper =
+      "[[spring]]\ntype = \"joint\"\nof = \"slide\"\nbodies = [\"ground\", \"b\"]\naxis = [1, 0]\ndamping = 2\n";
+  CHECK(of(slides + damper, height).none.find("dampers act") != std::string::npos);
+  CHECK(of(slides + damper, push).none == "");
 }
 
 TEST_CASE("tangent of a motion: a box at rest, one corner of which comes to the bound of its friction") {
