@@ -12,6 +12,7 @@
 // With --columns there is one table only: of spheres on top of one another, at rest, the iterations of each solver and
 // its factorizations from a cold start to the first of the residuals.
 #include "experiments/support/between.h"
+#include "experiments/support/clock.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/isolated.h"
 #include "experiments/support/reference_kernel.h"
@@ -28,7 +29,6 @@
 #include <CLI/CLI.hpp>
 
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -101,12 +101,6 @@ double resident_memory() {  // [B]
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-double process_time() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 std::uint64_t hash_of(const Eigen::VectorXd& x, std::uint64_t hash) {
   return fnv1a({reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)}, hash);
 }
@@ -137,10 +131,10 @@ template <class Space, class Scene> Cost settled(Scene&& scene, double gravity, 
   double bytes = 0;
   for (long k = 0; k < steps; ++k) {
     const auto turn = static_cast<std::size_t>(k < steps - counted ? turns - 1 : k % turns);
-    const double begin = thread_time(), wall = wall_time(), processor = process_time();
+    const double begin = thread_time(), wall = wall_time(), processor = rival::processor_time();
     const StepReport report = scheme->step(way.h, *solvers[turn], x);
     const double seconds = thread_time() - begin;
-    const double of_process = process_time() - processor;
+    const double of_process = rival::processor_time() - processor;
     if (report.status != Status::solved)
       throw std::runtime_error("step " + std::to_string(k) + ": " + std::string(name(report.status)) + " " +
                                std::string(scheme->why()));

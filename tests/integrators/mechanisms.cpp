@@ -47,7 +47,7 @@ TEST_CASE("a clock: one pin of the escape wheel passes in each swing of the anch
     CHECK(off_train < 1e-11);
     CHECK(rise < 1e-11);  // [J] of 0.08 J in the mainspring
     CHECK(swings >= 3);
-    // From crossing to crossing the wheel makes so many pitches, but for where in its drop each crossing finds it.
+    // The wheel turns by one pitch in each swing, to a part of a pitch: a crossing may fall anywhere in its drop.
     const double pitches = (first_angle - angle) / (2 * std::numbers::pi / 15);
     CHECK(std::abs(pitches - (swings - 1)) < 0.25);
     CHECK(run.max_penetration < 2e-5);  // [m] of pins of 0.3 mm

@@ -3,47 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <orthant/core/support/options.h>
-#include <orthant/integrators/event_driven/event_driven.h>
 
-#include "tests/integrators/derivatives/run_trials.h"
+#include "tests/integrators/derivatives/motion_trials.h"
 
 using namespace orthant;
 
 namespace {
-
-struct MotionTrial {
-  std::string key, before, after;  // KEY=before VALUE after
-  double value;
-  double step = 1e-6;
-};
-
-std::string set_of(const MotionTrial& trial, double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return trial.key + "=" + trial.before + text + trial.after;
-}
-
-State end_of(const Scene& scene, const std::string& integrator, const Clock& clock) {
-  const System system(scene);
-  const auto solver = make_solver("auto");
-  Run run;
-  if (integrator == "moreau-jean") {
-    MoreauJean method(system);
-    run = simulate(method, *solver, clock);
-  } else {
-    EventDriven method(system);
-    run = simulate(method, *solver, clock);
-  }
-  REQUIRE(run.status == Status::solved);
-  return run.final;
-}
-
-std::vector<RunParameter> parameters_of(const std::string& text, const std::vector<MotionTrial>& trials) {
-  std::vector<RunParameter> parameters;
-  for (const MotionTrial& trial : trials)
-    parameters.push_back({trial.key, trial.value, [=](double x) { return from_text(text)({set_of(trial, x)}); }});
-  return parameters;
-}
 
 // All of q and v at the end, relative to the largest; sides: differences to one side only where it is 1 or −1.
 void check_motion(const std::string& text, const std::vector<MotionTrial>& trials, double duration, double tolerance,
@@ -384,78 +349,4 @@ TEST_CASE("tangent of a motion: friction of a flat landing, at opposite bounds a
   const auto end = [&](double x) { return run_by(System(axis(x)), RattleOptions{}, *solver, steps).final.q[3]; };
   CHECK(run.q(3, 0) == doctest::Approx((end(step) - end(-step)) / (2 * step)).epsilon(1e-6));
   CHECK(run.degenerate.empty());
-}
-
-TEST_CASE("tangent of a motion: starts whose sides differ are named, with the side, or have none") {
-  const std::string box = R"(
-[[body]]
-name = "b"
-mass = 1
-inertia = 0.02
-position = [0, 0.15]
-[[contact]]
-name = "c"
-type = "corner-wall"
-body = "b"
-point = [-0.2, -0.15]
-wall = {normal = [0, 1]}
-mu = 0.4
-[[contact]]
-name = "d"
-type = "corner-wall"
-body = "b"
-point = [0.2, -0.15]
-wall = {normal = [0, 1]}
-mu = 0.4
-)";
-  const auto solver = make_solver("auto");
-  const auto of = [&](const std::string& gravity, const MotionTrial& trial) {
-    const std::string text = gravity + box;
-    return differentiate_motion(System(from_text(text)({})), parameters_of(text, {trial}), {}, *solver, 0.1);
-  };
-  const std::string level = "gravity = [0, -9.81]\n", holds = "gravity = [2, -9.81]\n",
-                    slides = "gravity = [6, -9.81]\n";
-  const MotionTrial height{"body.b.position", "[0, ", "]", 0.15}, push{"body.b.velocity", "[", ", 0]", 0};
-  for (const std::string& gravity : {level, holds, slides})
-    CHECK(of(gravity, {"body.b.angle", "", "", 0}).none.find("overlaps on either side") != std::string::npos);
-  const auto warns = [&](const MotionTangent& t, const char* words) {
-    REQUIRE(t.warnings.size() == 1);
-    CHECK(t.none == "");
-    CHECK(t.warnings[0].find(words) != std::string::npos);
-  };
-  warns(of(holds, height), "of smaller values, where they stay closed");
-  warns(of(slides, height), "of larger values, where a short flight closes them again");
-  warns(of(slides, push), "begin to slide at the start ('c', 'd'): the derivative is one-sided, of larger values");
-  CHECK(of(slides, {"body.b.omega", "", "", 0}).none.find("on either side of the value") != std::string::npos);
-  CHECK(of(level, push).warnings.empty());
-  CHECK(of(holds, push).warnings.empty());
-  const std::string damper =
-      "[[spring]]\ntype = \"joint\"\nof = \"slide\"\nbodies = [\"ground\", \"b\"]\naxis = [1, 0]\ndamping = 2\n";
-  CHECK(of(slides + damper, height).none.find("dampers act") != std::string::npos);
-  CHECK(of(slides + damper, push).none == "");
-}
-
-TEST_CASE("tangent of a motion: a box at rest, one corner of which comes to the bound of its friction") {
-  std::string text = R"(
-gravity = [0, -9.81]
-[[body]]
-name = "b"
-mass = 1
-inertia = 0.02
-position = [0, 0.15]
-[[load]]
-name = "push"
-body = "b"
-point = [0, 0.1]
-force = [1, 0]
-factor = {type = "table", times = [0, 1], values = [0, 3.5]}
-)";
-  for (const std::string x : {"-0.2", "0.2"})
-    text += "[[contact]]\ntype = \"corner-wall\"\nbody = \"b\"\npoint = [" + x +
-            ", -0.15]\nwall = {normal = [0, 1]}\nmu = 0.4\n";
-  const auto solver = make_solver("auto");
-  const MotionTangent t = differentiate_motion(System(from_text(text)({})),
-                                               parameters_of(text, {{"body.b.mass", "", "", 1}}), {}, *solver, 1);
-  CHECK(t.none == "");
-  CHECK(t.q.lpNorm<Eigen::Infinity>() < 1e-9);
 }
