@@ -1,5 +1,6 @@
 #include <orthant/integrators/checkpoint.h>
 #include <orthant/integrators/derivatives/run_adjoint.h>
+#include <orthant/integrators/derivatives/touching_start.h>
 
 #include <algorithm>
 #include <cmath>
@@ -92,6 +93,7 @@ template <class Space, class Options> class Adjoint {
 
   void backward(Integrator& integrator, Solver& solver) {
     const Index scalars = W_.cols();
+    begin();
     q_.setZero(system_.dof(), scalars), v_ = q_;
     std::vector<Trace> traces(static_cast<std::size_t>(segment_));
     for (long s = std::ssize(anchors_) - 1; s >= 0; --s) {
@@ -108,9 +110,7 @@ template <class Space, class Options> class Adjoint {
       }
       for (long k = end - 1; k >= first; --k) step_back(k, traces[static_cast<std::size_t>(k - first)]);
     }
-    const State& start = anchors_.front().x;
-    seed(0, start);
-    start_.set_up(system_.initial_state(), start);
+    seed(0, anchors_.front().x);
     for (std::size_t j = 0; j < changes_.size(); ++j) start_.part_of(changes_[j], parts_[j]);
     for (Index k = 0; k < scalars; ++k) {
       start_.pull(q_.col(k).data(), v_.col(k).data(), sum_into(k));
@@ -119,6 +119,21 @@ template <class Space, class Options> class Adjoint {
             changes_[j].start_q.dot(q_.col(k)) + changes_[j].start_v.dot(v_.col(k));
     }
     std::reverse(result_.degenerate.begin(), result_.degenerate.end());
+  }
+
+  // Sets up start_, and finds what touches there.
+  void begin() {
+    const State& start = anchors_.front().x;
+    start_.set_up(system_.initial_state(), start);
+    if constexpr (std::is_same_v<Options, MoreauJeanOptions>) {
+      DirectionBlock q(system_.dof(), std::ssize(changes_)), v(system_.dof(), std::ssize(changes_));
+      for (std::size_t j = 0; j < changes_.size(); ++j) {
+        q.col(static_cast<Index>(j)) = changes_[j].start_q, v.col(static_cast<Index>(j)) = changes_[j].start_v;
+        start_.part_of(changes_[j], parts_[j]);
+      }
+      start_.push(parts_, q, v);
+      touching_ = touching_starts(system_, start, options_.theta * steps_.duration_of(0), changes_, q, v);
+    }
   }
 
   // The columns at the end of step k − 1.
@@ -152,7 +167,7 @@ template <class Space, class Options> class Adjoint {
       pull(scalar, slopes_.any_impulse() ? &impulses_ : nullptr);
     }
     refuse_overflow(q_.allFinite() && v_.allFinite(), trace.before.t);
-    if (!linear_.degenerate().empty()) result_.degenerate.push_back({trace.before.t, linear_.degenerate()});
+    note_degenerate(trace.before.t, linear_.degenerate(), k == 0 ? touching_ : std::vector<int>(), result_.degenerate);
     result_.inconsistent += !linear_.consistent();
   }
 
@@ -177,6 +192,7 @@ template <class Space, class Options> class Adjoint {
   StartLinearizationOf<Space> start_;
   std::vector<ParameterChangeOf<Space>> changes_;
   std::vector<StepPart> parts_;
+  std::vector<int> touching_;  // contacts, at the start
   Eigen::MatrixXd W_;
   long weighed_ = -1, segment_ = 1;  // the record that W_ is of; steps between two checkpoints
   std::vector<Anchor> anchors_;

@@ -2,9 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 namespace orthant {
+
+void note_degenerate(double t, const std::vector<int>& some, const std::vector<int>& others,
+                     std::vector<DegenerateStep>& steps) {
+  DegenerateStep one{t, {}};
+  std::ranges::set_union(some, others, std::back_inserter(one.contacts));
+  if (!one.contacts.empty()) steps.push_back(std::move(one));
+}
 
 RunSteps::RunSteps(const Clock& clock) : step(clock.step), duration(clock.duration), every(clock.every) {
   whole = static_cast<long>(std::floor(duration / step * (1 + 1e-12) + 1e-9));

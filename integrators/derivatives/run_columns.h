@@ -51,6 +51,10 @@ struct DegenerateStep {
   std::vector<int> contacts;  // of the scene
 };
 
+/// Appends a step where there are any such contacts, of two ascending lists.
+void note_degenerate(double t, const std::vector<int>& some, const std::vector<int>& others,
+                     std::vector<DegenerateStep>& steps);
+
 /// Steps of a run, as simulate() takes them; records stand at the start, every so many steps and at the end.
 struct RunSteps {
   explicit RunSteps(const Clock& clock);

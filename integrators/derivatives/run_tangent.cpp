@@ -1,4 +1,5 @@
 #include <orthant/integrators/derivatives/run_tangent.h>
+#include <orthant/integrators/derivatives/touching_start.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +54,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       if (columns[i].impulse()) take(static_cast<Index>(i), columns[i]);
   };
   State before;
+  std::vector<int> touching;  // at the start
   bool begun = false;
   Clock each = clock;
   each.every = 1;
@@ -65,6 +67,8 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
         start.part_of(changes[at(j)], parts[at(j)]);
       }
       start.push(parts, dq, dv);
+      if constexpr (std::is_same_v<Options, MoreauJeanOptions>)
+        touching = touching_starts(system, moment.state, options.theta * steps.duration_of(0), changes, dq, dv);
       begun = true;
     } else {
       trace.take(integrator, before, steps.duration_of(step), moment.state);
@@ -76,7 +80,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
         value[row] += impulse_of(column, system, moment.impulses);
       });
       refuse_overflow(std::isfinite(dq.sum() + dv.sum()), before.t);
-      if (!linear.degenerate().empty()) result.degenerate.push_back({before.t, linear.degenerate()});
+      note_degenerate(before.t, linear.degenerate(), step == 0 ? touching : std::vector<int>(), result.degenerate);
       result.inconsistent += !linear.consistent();
       ++step;
     }

@@ -10,9 +10,7 @@ namespace orthant {
 
 namespace {
 
-constexpr double kNoGap = 8 * 0x1p-52;  // of the coordinates in it
-constexpr double kNoChange = 1e-9;      // of a gap: of the direction
-constexpr double kSameStep = 1e-8;      // of x⁺: rounding, and what the projections leave
+constexpr double kSameStep = 1e-8;  // of x⁺: rounding, and what the projections leave
 
 }  // namespace
 
@@ -272,23 +270,6 @@ void StepLinearization::push(const std::vector<StepPart>& parameters, DirectionB
   const double h = step.h, theta = options_.theta;
   rho_.setZero(size(), count);
   q_at_ = q + theta * h * v;
-  for (std::size_t k = 0; k < step.contacts.size(); ++k) {  // closed by nothing but a gap of 0, which a direction opens
-    const Row& normal = terms_.closed[k].rows.normal;
-    double terms = 0;
-    each_entry(normal, [&](Index place, double j) {
-      terms += std::abs(j * (step.before.q[place] + theta * h * step.before.v[place]));
-    });
-    if (std::abs(gap_of(system_, {}, step.contacts[k], terms_.at)) > kNoGap * terms) continue;
-    for (Index j = 0; j < count; ++j) {
-      double change = 0, size = 1e-3;
-      each_entry(normal, [&](Index place, double entry) {
-        change += entry * q_at_(place, j), size = std::max(size, std::abs(entry * q_at_(place, j)));
-      });
-      if (std::abs(change) <= kNoChange * size || std::ranges::count(degenerate_, step.contacts[k]) > 0) continue;
-      degenerate_.push_back(step.contacts[k]);
-      std::ranges::sort(degenerate_);
-    }
-  }
   orthant::apply(by_pose_, q_at_.data(), rho_.data(), count);
   orthant::apply(by_velocity_, v.data(), rho_.data(), count);
   for (Index j = 0; j < count; ++j)
