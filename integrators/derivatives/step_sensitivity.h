@@ -25,7 +25,7 @@ class StepSensitivity {
   const std::vector<WeaklyActive>& weakly_active() const { return weak_; }
 
   /// ż (rows × count) of ẇ at fixed z, of hi with lo = −hi (null: unchanged), and of μ, one row a friction. False: a
-  /// direction parts redundant rows.
+  /// direction parts redundant rows, by more than rounding: 1e-12 of the largest ẇ of this object's life, a run.
   bool tangent(const double* w, const double* hi, const double* mu, Index count, double* z);
   /// Adjoints of ẇ, of hi − lo and of μ, of the weights of z. False: z depends on how redundant rows share.
   bool adjoint(const Vector& of_z, double* w, double* hi, double* mu);
@@ -47,6 +47,7 @@ class StepSensitivity {
   std::vector<double> normal_force_;  // of each friction
   std::vector<Index> free_;           // rows of the unknowns
   std::vector<double> inverse_, block_, sum_, held_;
+  double largest_rate_ = 1e-6, largest_weight_ = 1e-6;  // of ẇ, and of the weights of z, in all calls
 };
 
 }  // namespace orthant

@@ -9,6 +9,8 @@ namespace orthant {
 
 namespace {
 
+constexpr double kParted = 1e-6;  // of the largest rate: more is not rounding
+
 void check_part(const char* part, Index size, Index n) {
   if (size != 0 && size != n)
     throw std::invalid_argument("perturbation: " + std::string(part) + " has " + std::to_string(size) +
@@ -92,7 +94,8 @@ SolutionTangent Sensitivity::tangent(const Perturbation& change, Eigen::VectorXd
   Eigen::VectorXd y = pattern_.P.transpose() * w;
   y = -y;
   SolutionTangent t;
-  t.consistent = system_.solve(y) <= 1e-6;
+  t.parted = system_.solve(y);
+  t.consistent = t.parted <= kParted;
   t.z = p + pattern_.E * y;
   t.w = times(t.z) + at_rest;
   return t;
@@ -112,7 +115,8 @@ DataGradient Sensitivity::vjp(const Vector& g, const Vector& h) const {
   if (h.size() > 0) a += transposed(h);
   Eigen::VectorXd lambda = pattern_.E.transpose() * a;
   DataGradient gradient;
-  gradient.consistent = system_.solve_transposed(lambda) <= 1e-6;
+  gradient.parted = system_.solve_transposed(lambda);
+  gradient.consistent = gradient.parted <= kParted;
   const Eigen::VectorXd spread = pattern_.P * lambda;
   gradient.b = -spread;
   if (h.size() > 0) gradient.b += h;
@@ -130,7 +134,7 @@ SolutionTangent Sensitivity::directional(const Perturbation& change) const {
     const Vector direction = Eigen::VectorXd(pattern_.E_weak.col(j));
     Eigen::VectorXd y = pattern_.P.transpose() * times(direction);
     y = -y;
-    t.consistent = system_.solve(y) <= 1e-6 && t.consistent;
+    t.consistent = system_.solve(y) <= kParted && t.consistent;
     const Vector z = direction + pattern_.E * y;
     Z.col(j) = z, W.col(j) = times(z);
   }

@@ -39,12 +39,14 @@ struct Perturbation {
 struct SolutionTangent {
   Vector z, w;             // n
   bool consistent = true;  // false: the redundant rows part, and there is no derivative
+  double parted = 0;  // of ẇ at fixed z, relative to its largest: what no change of z undoes; consistent: ≤ 1e-6
 };
 
 /// Of a scalar with respect to the data. With respect to A_ij it is b_i z_j: gradient_of_matrix().
 struct DataGradient {
   Vector b, lo, hi, mu;
   bool consistent = true;  // false: the scalar depends on the choice among solutions, and has no derivative
+  double parted = 0;       // of the scalar's gradient by z, relative to its largest: what depends on the choice
 };
 
 struct SensitivityReport {
