@@ -13,6 +13,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <span>
 #include <stdexcept>
 
 namespace orthant {
@@ -34,16 +36,47 @@ std::string exactly(double x) {
   return text;
 }
 
-/// "position[1]" → "position", 1; without a place −1.
-std::pair<std::string, int> split_place(const std::string& key) {
-  const auto open = key.rfind('[');
-  if (open == std::string::npos || key.back() != ']') return {key, -1};
-  int place = -1;
-  const char *from = key.data() + open + 1, *to = key.data() + key.size() - 1;
-  const auto [end, error] = std::from_chars(from, to, place);
-  if (error != std::errc() || end != to || place < 0 || place > 1000)
-    refuse_parameter(key, "must end with a place, such as [0]");
-  return {key.substr(0, open), place};
+/// "corners[0][1]" → "corners", {0, 1}.
+std::pair<std::string, std::vector<std::size_t>> split_places(const std::string& key) {
+  std::string name = key;
+  std::vector<std::size_t> places;
+  while (name.ends_with(']')) {
+    const auto open = name.rfind('[');
+    std::size_t place = 0;
+    if (open == std::string::npos) break;
+    const char *from = name.data() + open + 1, *to = name.data() + name.size() - 1;
+    const auto [end, error] = std::from_chars(from, to, place);
+    if (error != std::errc() || end != to) refuse_parameter(key, "must end with a place, such as [0]");
+    places.insert(places.begin(), place);
+    name.resize(open);
+  }
+  return {name, places};
+}
+
+using Places = std::span<const std::size_t>;
+
+/// The text of a number or of an array; empty: it is or holds something else. With `places` the number there is `x`.
+std::string text_of_numbers(const toml::node& node, Places places = {}, std::optional<double> x = {}) {
+  const bool here = x && places.empty();
+  if (const auto number = node.value<double>()) return exactly(here ? *x : *number);
+  const toml::array* array = node.as_array();
+  if (array == nullptr) return {};
+  std::string list = "[";
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const bool below = x && !places.empty() && places.front() == i;
+    const std::string entry = below ? text_of_numbers((*array)[i], places.subspan(1), x) : text_of_numbers((*array)[i]);
+    if (entry.empty()) return {};
+    list += (i > 0 ? ", " : "") + entry;
+  }
+  return list + "]";
+}
+
+/// The entry of an array of arrays; null: there is none.
+const toml::node* entry_at(const toml::node& node, Places places) {
+  if (places.empty()) return &node;
+  const toml::array* array = node.as_array();
+  if (array == nullptr || places.front() >= array->size()) return nullptr;
+  return entry_at((*array)[places.front()], places.subspan(1));
 }
 
 /// The node at a path of plain keys; null: there is none.
@@ -87,16 +120,7 @@ std::string text_of_value(const SceneSource& source, const std::string& key) {
     }
   }
   if (node == nullptr) return {};
-  if (const auto number = node->value<double>()) return exactly(*number);
-  const toml::array* array = node->as_array();
-  if (array == nullptr) return {};
-  std::string list = "[";
-  for (const toml::node& entry : *array) {
-    const auto number = entry.value<double>();
-    if (!number) return {};
-    list += (list.size() > 1 ? ", " : "") + exactly(*number);
-  }
-  return list + "]";
+  return text_of_numbers(*node);
 }
 
 /// The text of a value that the scene leaves at its default, found by trial; empty: none of the usual ones is it.
@@ -116,20 +140,19 @@ template <class Space> std::string text_of_default(const SceneSource& source, co
   return {};
 }
 
-std::vector<double> numbers_in(const std::string& text) {
-  std::vector<double> numbers;
-  const char *at = text.data(), *const end = at + text.size();
-  while (at < end) {
-    if (*at == '[' || *at == ']' || *at == ',' || *at == ' ' || *at == '+') {
-      ++at;
-      continue;
+/// A value's text as a document with the key "value".
+toml::table document_of(const std::string& text) {
+  toml::table document;
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  if (const auto [last, error] = std::from_chars(text.data(), end, number); error == std::errc() && last == end)
+    document.insert("value", number);  // also ".5" and "1.", which TOML does not have
+  else
+    try {
+      document = toml::parse("value = " + text);
+    } catch (const toml::parse_error&) {  // a word without quotes: no number
     }
-    double number = 0;
-    const auto [next, error] = std::from_chars(at, end, number);
-    if (error != std::errc()) return {};
-    numbers.push_back(number), at = next;
-  }
-  return numbers;
+  return document;
 }
 
 /// The place of "crank.theta" in q, or behind q in v; in space among the columns of bodies. −1: there is none.
@@ -173,30 +196,28 @@ RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Spac
   }
   if (key == "duration" || key == "step")
     refuse_parameter(key, "is a setting of the run: must be a value of the scene or its start");
-  const auto [name, place] = split_place(key);
+  const auto [name, places] = split_places(key);
   std::string text = text_of_value(source, name);
-  if (text.empty()) text = text_of_default<Space>(source, scene, name, place >= 0);
+  if (text.empty()) text = text_of_default<Space>(source, scene, name, places.size() == 1);
   if (text.empty())
     refuse_parameter(key,
-                     "no number is found at this key in the scene: must be an option, KIND.NAME.KEY or "
-                     "KIND.NAME.KEY[i] (no deeper), or be given by KEY=VALUE");
-  std::vector<double> numbers = numbers_in(text);
-  const bool is_array = text.front() == '[';
-  if (numbers.empty() || is_array != (place >= 0) || place >= static_cast<int>(numbers.size()))
-    refuse_parameter(key,
-                     "is " + in_one_line(text) + ": must be a number, or an entry of an array by its place, KEY[0]");
-  const std::size_t entry = place < 0 ? 0 : static_cast<std::size_t>(place);
-  const auto scene_at = [source, name = name, numbers, entry, is_array](double x) {
+                     "no number is found at this key in the scene: must be an option, KIND.NAME.KEY, an entry of an "
+                     "array such as KIND.NAME.KEY[0] or KIND.NAME.KEY[0][1], or be given by KEY=VALUE");
+  const toml::table document = document_of(text);
+  const toml::node* found = document.get("value");
+  if (found != nullptr) found = entry_at(*found, places);
+  const auto number = found != nullptr ? found->value<double>() : std::nullopt;
+  if (!number)
+    refuse_parameter(key, "the value is " + in_one_line(text) +
+                              ": must be a number, or one of its entries by their places from 0, such as KEY[0]");
+  const auto scene_at = [source, name = name, places = places, document](double x) {
     std::vector<std::string> sets;
     for (const std::string& set : source.sets)
       if (!set.starts_with(name + "=")) sets.push_back(set);
-    std::string value = is_array ? "[" : "";
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      value += (i > 0 ? ", " : "") + exactly(i == entry ? x : numbers[i]);
-    sets.push_back(name + "=" + value + (is_array ? "]" : ""));
+    sets.push_back(name + "=" + text_of_numbers(*document.get("value"), places, x));
     return make_in<Space>(source, sets);
   };
-  return {key, numbers[entry], scene_at, -1};
+  return {key, *number, scene_at, -1};
 }
 
 template <class Space> RunColumn column_in(const SceneIn<Space>& scene, const std::string& column) {
@@ -258,7 +279,10 @@ template <class Space> struct NamedIn {
       : method(integrator.substr(0, integrator.find(':'))), scene(std::move(made)), system(scene) {
     if (method.size() < integrator.size()) given = integrator.substr(method.size() + 1);
     for (const std::string& column : of) columns.push_back(column_of(scene, column));
-    for (const std::string& key : wrt) parameters.push_back(parameter_of(source, scene, key));
+    for (auto key = wrt.begin(); key != wrt.end(); ++key) {
+      if (std::find(wrt.begin(), key, *key) != key) refuse_parameter(*key, "is given twice: must be given once");
+      parameters.push_back(parameter_of(source, scene, *key));
+    }
   }
   auto scheme(const char* others) const {
     std::conditional_t<kPlanar<Space>, StepScheme, std::variant<MoreauJeanOptions>> scheme;

@@ -5,6 +5,7 @@
 #include "tests/support/cli.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 
 using namespace orthant;
@@ -198,6 +199,57 @@ force = [1, 0]
   const Reply rubs = folder.orthant("gradient rubs.toml --of b.x --wrt body.b.mass --integrator event-driven");
   CHECK(rubs.exit_code == 1);
   CHECK(rubs.err.find("the [[friction]] 'rub' has no derivatives") != std::string::npos);
+}
+
+TEST_CASE("orthant gradient: entries of arrays of arrays, by differences; wrong keys are named") {
+  const Cli folder;
+  folder.write("box.toml", R"(gravity = [0, -10]
+duration = 0.3
+step = 1e-3
+[[body]]
+name = "b"
+mass = 2
+inertia = 0.3
+position = [0, 0.3]
+velocity = [1, -1]
+angle = 0.1
+[[contact]]
+name = "f"
+type = "polygon-wall"
+body = "b"
+corners = [[-0.5, -0.25], [0.5, -0.25], [0.5, 0.25], [-0.5, 0.25]]
+wall = {normal = [0, 1]}
+mu = 0.3
+)");
+  const Reply a =
+      folder.orthant("gradient box.toml --of b.theta --wrt 'contact.f.corners[0][1],contact.f.corners[1][0]'");
+  REQUIRE(a.exit_code == 0);
+  const auto theta = [&](double left_y, double right_x) {
+    char set[200];
+    std::snprintf(set, sizeof set, "'contact.f.corners=[[-0.5, %.12g], [%.12g, -0.25], [0.5, 0.25], [-0.5, 0.25]]'",
+                  left_y, right_x);
+    const Reply run = folder.orthant("simulate box.toml --json --set " + std::string(set));
+    return nlohmann::json::parse(run.out).at("final").at("b.theta").get<double>();
+  };
+  const double step = 1e-7;
+  const double of_left = (theta(-0.25 + step, 0.5) - theta(-0.25 - step, 0.5)) / (2 * step);
+  const double of_right = (theta(-0.25, 0.5 + step) - theta(-0.25, 0.5 - step)) / (2 * step);
+  CHECK(std::abs(of_left) > 0.1);
+  CHECK(std::abs(number_behind(a.out, "d b.theta / d contact.f.corners[0][1]") - of_left) < 1e-5 * std::abs(of_left));
+  CHECK(std::abs(number_behind(a.out, "d b.theta / d contact.f.corners[1][0]") - of_right) < 1e-5);
+
+  const auto refused = [&](const std::string& key, const std::string& words) {
+    const Reply reply = folder.orthant("gradient box.toml --of b.x --wrt '" + key + "'");
+    CHECK(reply.exit_code == 1);
+    INFO(reply.err);
+    CHECK(reply.err.find(words) != std::string::npos);
+  };
+  refused("contact.f.corners[4][0]", "must be a number, or one of its entries by their places from 0");
+  refused("contact.f.corners[0]", "must be a number, or one of its entries by their places from 0");
+  refused("body.b.position[2]", "the value is [0, 0.29999999999999999]: must be");
+  refused("body.b.position[x]", "must end with a place, such as [0]");
+  refused("body.b.nothing", "no number is found at this key");
+  refused("contact.f.mu,contact.f.mu", "parameter 'contact.f.mu': is given twice: must be given once");
 }
 
 TEST_CASE("orthant gradient: derivatives that exceed the range of numbers, and grazes, are errors with a reason") {
