@@ -9,7 +9,7 @@ namespace {
 
 constexpr Index kSmallProblem = 16;  // rows
 constexpr double kWellConditioned = 1e10;
-constexpr double kRounding = 1e-12;  // of the largest so far: a body at rest leaves nothing but this
+constexpr double kRestNoise = 1e-12;  // of the largest so far: a body at rest leaves nothing but this
 
 }  // namespace
 
@@ -135,7 +135,7 @@ bool StepSensitivity::tangent(const double* w, const double* hi, const double* m
       for (Index i = 0; i < frictions; ++i) change.mu[i] = mu[i * count + j];
       const SolutionTangent t = full_->jvp(change);
       const double parted = t.parted * change.b.lpNorm<Eigen::Infinity>();
-      consistent = consistent && (t.consistent || parted <= kRounding * largest_rate_);
+      consistent = consistent && (t.consistent || parted <= kRestNoise * largest_rate_);
       for (Index i = 0; i < n; ++i) z[i * count + j] = t.z[i];
     }
     return consistent;
@@ -178,7 +178,7 @@ bool StepSensitivity::adjoint(const Vector& of_z, double* w, double* hi, double*
     const DataGradient by = full_->vjp(of_z);
     for (Index i = 0; i < n; ++i) w[i] = by.b[i], hi[i] = by.hi[i] - by.lo[i];
     for (Index k = 0; k < frictions; ++k) mu[k] = by.mu[k];
-    return by.consistent || by.parted * weight <= kRounding * largest_weight_;
+    return by.consistent || by.parted * weight <= kRestNoise * largest_weight_;
   }
   const auto m = free_.size();
   sum_.assign(of_z.data(), of_z.data() + n);
