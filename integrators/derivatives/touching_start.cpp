@@ -40,9 +40,12 @@ template <class Space> std::vector<int> touching_starts(const SystemOf<Space>& s
   KinematicsOf<Space> at = TermsOf<Space>(system).at;
   set_poses(system, x.t, x.q, at);
   std::vector<RunColumn> gaps;
-  for (int c = 0; c < system.contacts(); ++c)
-    if (std::abs(gap_of(system, {}, c, at)) <= kNoGap * lengths_in_gap(system, x, c, at))
-      gaps.push_back({RunColumn::Kind::gap, c});
+  std::vector<double> rounding;  // [m] of each
+  for (int c = 0; c < system.contacts(); ++c) {
+    const double none = kNoGap * lengths_in_gap(system, x, c, at);
+    if (std::abs(gap_of(system, {}, c, at)) <= none)
+      gaps.push_back({RunColumn::Kind::gap, c}), rounding.push_back(none);
+  }
   std::vector<int> touching;
   if (gaps.empty()) return touching;
   ColumnSlopesOf<Space> slopes(system, gaps);
@@ -53,8 +56,9 @@ template <class Space> std::vector<int> touching_starts(const SystemOf<Space>& s
       const Eigen::VectorXd change = q.col(column) + ahead * v.col(column);
       const double by_geometry = slopes.by_parameter(i, changes[j]);
       const double by_state = slopes.push(i, changes[j], change.data(), change.data()) - by_geometry;
-      if (std::abs(by_state + by_geometry) <= kNoChange * (std::abs(by_geometry) + change.template lpNorm<1>()))
-        continue;
+      const double of_differences = changes[j].of_scene() ? rounding[i] / changes[j].step : 0;
+      const double none = kNoChange * (std::abs(by_geometry) + change.template lpNorm<1>()) + of_differences;
+      if (std::abs(by_state + by_geometry) <= none) continue;
       touching.push_back(static_cast<int>(gaps[i].place));
       break;
     }

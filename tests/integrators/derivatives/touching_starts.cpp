@@ -6,6 +6,7 @@ namespace orthant {
 namespace {
 
 const char* const kDisc = R"(
+gravity = [0, -9.81]
 [[body]]
 name = "ball"
 mass = 1
@@ -20,6 +21,7 @@ mu = 0.2
 wall = {point = [0, 0], normal = [0, 1]}
 )";
 const char* const kSphere = R"(
+gravity = [0, 0, -9.81]
 dimension = 3
 [[body]]
 name = "ball"

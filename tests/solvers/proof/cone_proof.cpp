@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/sanitized.h"
+
 #include <cmath>
 
 using namespace orthant;
@@ -83,7 +85,7 @@ ConeProof::End ends(const Lcp& p, const std::function<bool(const Vector&)>& prov
 
 TEST_CASE("a proof over cones is found wherever one is planted with room, in rows of every kind, in any units") {
   Random random(3);
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < share_of(60); ++trial) {
     CAPTURE(trial);
     Lcp p = with_proof(1 + trial % 7, trial % 2 == 1, 0.5, random).problem;
     if (trial % 3 == 0) p.b *= 0x1p40, p.lo *= 0x1p40, p.hi *= 0x1p40;
@@ -95,7 +97,7 @@ TEST_CASE("a proof over cones is found wherever one is planted with room, in row
 
 TEST_CASE("no proof over cones is sought in vain: a point with room in every condition ends the search") {
   Random random(4);
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < share_of(60); ++trial) {
     CAPTURE(trial);
     Lcp p = random_cones(1 + trial % 7, trial % 2 == 1, random).problem;
     Vector z(Eigen::VectorXd::Ones(p.size())), w;
