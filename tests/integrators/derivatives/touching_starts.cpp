@@ -72,16 +72,22 @@ TEST_CASE("derivatives of a run: a gap of 0 that the place, the radius or the wa
   check_named(steps_by_both<Planar>(scene, by("contact.floor.radius", 0.3)));
   check_named(steps_by_both<Planar>(scene, {"start", 0, {}, 1}));  // y
   check_named(steps_by_both<Planar>(scene, {"start", 0, {}, 4}));  // v_y: half a step ahead
-  check_named(steps_by_both<Planar>(
-      scene,
-      {"height", 0, [](double x) { return from_text(kDisc)({override_text("contact.floor.wall.point[1]", x)}); }}));
+  const auto changed = [](const std::string& name, double value, auto&& change) {
+    return RunParameter{name, value,
+                        [=](double x) {
+                          Scene other = from_text(kDisc)({});
+                          change(other, std::get<DiscWall>(other.contacts[0]), x);
+                          return other;
+                        },
+                        -1};
+  };
+  check_named(
+      steps_by_both<Planar>(scene, changed("height", 0, [](Scene&, DiscWall& c, double x) { c.wall_point.y() = x; })));
   CHECK(steps_by_both<Planar>(scene, by("contact.floor.mu", 0.2)).empty());
   CHECK(steps_by_both<Planar>(scene, {"start", 0, {}, 3}).empty());  // v_x
-  CHECK(steps_by_both<Planar>(scene, {"both", 0.3,
-                                      [](double x) {
-                                        return from_text(kDisc)({override_text("contact.floor.radius", x),
-                                                                 override_text("body.ball.position[1]", x)});
-                                      }})
+  CHECK(steps_by_both<Planar>(
+            scene, changed("both", 0.3,
+                           [](Scene& other, DiscWall& c, double x) { c.radius = x, other.bodies[0].position.y() = x; }))
             .empty());
 }
 
@@ -92,12 +98,11 @@ TEST_CASE("derivatives of a run in space: a gap of 0 that the place or the radiu
   check_named(steps_by_both<Spatial>(scene, by_start(scene, 8)));  // v_z
   CHECK(steps_by_both<Spatial>(scene, by_key(kSphere, "contact.floor.mu", 0.2)).empty());
   CHECK(steps_by_both<Spatial>(scene, by_start(scene, 6)).empty());  // v_x
-  CHECK(steps_by_both<Spatial>(scene, {"both", 0.3,
-                                       [](double x) {
-                                         return spatial_from_text(kSphere, {override_text("contact.floor.radius", x),
-                                                                            override_text("body.ball.position[2]", x)});
-                                       },
-                                       -1})
+  CHECK(steps_by_both<Spatial>(scene, by_change(kSphere, "both", 0.3,
+                                                [](spatial::Scene& other, double x) {
+                                                  std::get<spatial::SphereWall>(other.contacts[0]).radius = x;
+                                                  other.bodies[0].position.z() = x;
+                                                }))
             .empty());
 }
 
