@@ -100,7 +100,7 @@ TEST_CASE("derivatives of a run in space: a gap of 0 that the place or the radiu
   CHECK(steps_by_both<Spatial>(scene, by_start(scene, 6)).empty());  // v_x
   CHECK(steps_by_both<Spatial>(scene, by_change(kSphere, "both", 0.3,
                                                 [](spatial::Scene& other, double x) {
-                                                  std::get<spatial::SphereWall>(other.contacts[0]).radius = x;
+                                                  std::get<spatial::SpherePlane>(other.contacts[0]).radius = x;
                                                   other.bodies[0].position.z() = x;
                                                 }))
             .empty());
