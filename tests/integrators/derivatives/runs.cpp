@@ -216,6 +216,42 @@ wall = {normal = [0, 1]}
                     "derivatives of a run: option sleep_after = 1: must be 0, as bodies that sleep have none");
 }
 
+TEST_CASE("tangent of a run: contacts that hold a body at rest twice are not said to part by rounding") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "a"
+mass = 1
+inertia = 0.1
+position = [0.5, 0]
+[[joint]]
+name = "j"
+type = "revolute"
+bodies = ["ground", "a"]
+point_a = [0, 0]
+point_b = [-0.5, 0]
+[[contact]]
+name = "s"
+type = "limit"
+joint = "j"
+lower = -0.7
+upper = 1.2
+e_n = 0.3
+[[friction]]
+name = "dry"
+joint = "j"
+bound = 0.4
+)";
+  const auto solver = make_solver("auto");
+  for (const std::string key : {"contact.s.lower", "body.a.mass"}) {
+    const RunTangent t =
+        differentiate_run(System(from_text(text)({})), parameters_by_keys(text, {{key, key[0] == 'c' ? -0.7 : 1}}), {},
+                          *solver, {.step = 1e-3, .duration = 0.7});
+    CHECK(t.run.status == Status::solved);
+    CHECK(t.inconsistent == 0);
+  }
+}
+
 TEST_CASE("tangent of a run: a table's time that a step evaluates has one-sided derivatives, and is named") {
   const std::string text = R"(
 [[body]]
