@@ -39,8 +39,19 @@ Json state_of(const SystemOf<Spatial>& system, const State& x, TermsOf<Spatial>&
   return {{"place", places}, {"rotation", rotations}, {"velocity", velocities}, {"omega", omegas}};
 }
 
-/// Contacts with an impulse or without a gap, in the poses of q.
-Json contacts_of(const IntegratorOf<Spatial>& integrator, double t, const Eigen::VectorXd& q) {
+/// The velocities at the end of the step if nothing touched.
+Eigen::VectorXd free_flight(const SystemOf<Spatial>& system, const State& x, double h, TermsOf<Spatial>& terms) {
+  set_poses(system, x.t, x.q, terms.at);
+  set_twists(system, x.v, terms.at);
+  evaluate_forces(system, x.t, x.v, terms);
+  Eigen::VectorXd f = terms.f;
+  add_gyroscopic(system, x.v, f);
+  return x.v + h * system.inverse_mass().cwiseProduct(f);
+}
+
+/// Contacts with an impulse or without a gap, in the poses of q. Gaps are those before a flight of `back` from there.
+Json contacts_of(const IntegratorOf<Spatial>& integrator, double t, const Eigen::VectorXd& q,
+                 const Eigen::VectorXd& back) {
   const SystemOf<Spatial>& system = integrator.system();
   TermsOf<Spatial> terms(system);
   terms.pairs.assign(integrator.pairs().begin(), integrator.pairs().end());
@@ -59,8 +70,8 @@ Json contacts_of(const IntegratorOf<Spatial>& integrator, double t, const Eigen:
                           impulse.tangent.second * spatial::direction_of(rows.tangents[1]);
     // Listed contacts act at one point of both bodies, searched ones at a point of each.
     const Vector3d on_a = i < system.listed() ? rows.point : Vector3d(rows.point + terms.gap[i] * n);
-    all.push_back(
-        {rows.normal.a, rows.normal.b, numbers(on_a), numbers(rows.point), numbers(n), numbers(push), terms.gap[i]});
+    all.push_back({rows.normal.a, rows.normal.b, numbers(on_a), numbers(rows.point), numbers(n), numbers(push),
+                   terms.gap[i] - apply(rows.normal, back.data())});
   }
   return all;
 }
@@ -89,13 +100,19 @@ int main(int argc, char** argv) try {
                                integrator->why());
   }
   TermsOf<Spatial> terms(system);
-  State at = before;  // the poses of the step's rows: its middle, for gaps its start
-  if (!std::string_view(argv[2]).starts_with("stewart-trinkle")) move<Spatial>(before.q, step / 2 * before.v, at.q);
+  State at = before;  // the poses of the step's rows: its middle, for gaps the end of free flight
+  Eigen::VectorXd back = Eigen::VectorXd::Zero(before.v.size());
+  if (std::string_view(argv[2]).starts_with("stewart-trinkle")) {
+    back = step * free_flight(system, before, step, terms);
+    move<Spatial>(before.q, back, at.q);
+  } else {
+    move<Spatial>(before.q, step / 2 * before.v, at.q);
+  }
   std::cout << Json{{"seconds", seconds},
                     {"steps", steps},
                     {"before", state_of(system, at, terms)},
                     {"after", state_of(system, x, terms)},
-                    {"contacts", contacts_of(*integrator, at.t, at.q)}}
+                    {"contacts", contacts_of(*integrator, at.t, at.q, back)}}
             << '\n';
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';
