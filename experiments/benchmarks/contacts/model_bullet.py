@@ -41,8 +41,10 @@ class Model:
         begin = time.thread_time()
         p.stepSimulation()
         seconds += time.thread_time() - begin
-        return {"h": h, "seconds": seconds, "steps": steps, "before": before, "after": read(),
-                "contacts": self.contacts(len(scene.bodies), h) if scene.planes else None}
+        run = {"h": h, "seconds": seconds, "steps": steps, "before": before, "after": read(),
+               "contacts": self.contacts(len(scene.bodies), h) if scene.planes else None}
+        p.disconnect()  # the next run is in another world
+        return run
 
     @staticmethod
     def shape(body):
