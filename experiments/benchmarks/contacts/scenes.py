@@ -127,6 +127,6 @@ def toml(scene):
         shape = {"sphere": lambda b: f"radius = {b.shape[1]!r}", "box": lambda b: f"size = {vector(b.shape[1:])}"}
         shapes = ",\n  ".join(f'{{body = "b{k}", {shape[b.shape[0]](b)}}}' for k, b in enumerate(scene.bodies))
         walls = ", ".join(f"{{point = {vector(p)}, normal = {vector(n)}}}" for p, n in scene.planes)
-        lines += ["[[collision]]", f"mu = {scene.mu}", "e_n = 0", f"walls = [{walls}]", "neighbours = 12",
+        lines += ["[[collision]]", f"mu = {scene.mu}", "e_n = 0", f"walls = [{walls}]", "neighbours = 60",
                   f"shapes = [\n  {shapes},\n]"]
     return "\n".join(lines) + "\n"
