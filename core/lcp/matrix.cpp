@@ -179,50 +179,75 @@ const DenseMatrix& dense_of(const Matrix& A, DenseMatrix& room) {
   return room;
 }
 
+// Row by row up to the diagonal; the rest mirrors it, as A_ji is the same sum in the same order, hence the same bits.
 bool to_rows(const Delassus& A, RowSparse& rows, double most) {
-  static thread_local std::vector<int> end, row;  // W by columns: where each ends; of each use of a body, the row
-  static thread_local std::vector<double> value, sum;
-  static thread_local std::vector<char> met;
+  static thread_local std::vector<int> ends, uses;  // W by columns: where each ends; of each use the row
+  static thread_local std::vector<double> values;
+  static thread_local std::vector<double> sums;      // of the present row, and 0 again after it
+  static thread_local std::vector<int> seen, found;  // of each column the last row that has it; those of this row
+  static thread_local RowSparse half;
   const RowSparse& W = A.W;
-  const auto u = [](auto i) { return static_cast<std::size_t>(i); };
-  end.assign(u(W.cols) + 1, 0);
-  for (const int k : W.column) ++end[u(k) + 1];
+  const std::size_t n = at(W.rows);
+  ends.assign(at(W.cols) + 1, 0);
+  for (const int k : W.column) ++ends[at(k) + 1];
   double work = 0;
-  for (const int uses : end) work += static_cast<double>(uses) * uses;
+  for (const int count : ends) work += static_cast<double>(count) * count;
   if (work > most) return false;
-  for (std::size_t k = 1; k < end.size(); ++k) end[k] += end[k - 1];
-  row.resize(W.column.size()), value.resize(W.column.size());
-  for (Index i = 0; i < W.rows; ++i)
-    for (std::size_t k = u(W.start[u(i)]); k < u(W.start[u(i) + 1]); ++k) {
-      const auto place = u(end[u(W.column[k])]++);
-      row[place] = static_cast<int>(i), value[place] = W.value[k];
+  for (std::size_t k = 1; k < ends.size(); ++k) ends[k] += ends[k - 1];
+  uses.resize(W.column.size()), values.resize(W.column.size());
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = at(W.start[i]); k < at(W.start[i + 1]); ++k) {
+      const std::size_t place = at(ends[at(W.column[k])]++);
+      uses[place] = static_cast<int>(i), values[place] = W.value[k];
     }
-  sum.assign(u(W.rows), 0);  // of the present row, and 0 again after it
-  met.assign(u(W.rows), 0);
-  rows.rows = rows.cols = W.rows;
-  rows.start.assign(1, 0), rows.column.clear(), rows.value.clear();
-  for (Index i = 0; i < W.rows; ++i) {
-    const auto begin = rows.column.size();
-    const auto add = [&](int j, double term) {
-      if (!met[u(j)]) met[u(j)] = 1, rows.column.push_back(j);
-      sum[u(j)] += term;
-    };
-    if (A.regularization.size() != 0) add(static_cast<int>(i), A.regularization[i]);
-    for (std::size_t k = u(W.start[u(i)]); k < u(W.start[u(i) + 1]); ++k) {
-      const auto body = u(W.column[k]);
-      for (std::size_t l = body == 0 ? 0 : u(end[body - 1]); l < u(end[body]); ++l)
-        add(row[l], W.value[k] * value[l] * A.inverse_mass[W.column[k]]);  // A_ji has the same bits
+  sums.assign(n, 0), seen.assign(n, -1), found.resize(n);
+  half.start.assign(1, 0), half.column.clear(), half.value.clear();
+  const int* const row = uses.data();
+  const double* const value = values.data();
+  double* const sum = sums.data();
+  int* const last_row = seen.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    const int self = static_cast<int>(i);
+    int* end = found.data();
+    if (A.regularization.size() != 0) sum[i] = A.regularization[self];
+    for (std::size_t k = at(W.start[i]); k < at(W.start[i + 1]); ++k) {
+      const std::size_t column = at(W.column[k]);
+      const double own = W.value[k], inverse = A.inverse_mass[W.column[k]];
+      for (std::size_t l = column == 0 ? 0 : at(ends[column - 1]); row[l] < self; ++l) {  // row i itself is a use
+        const int j = row[l];
+        if (last_row[j] != self) last_row[j] = self, *end++ = j;
+        sum[j] += own * value[l] * inverse;
+      }
+      sum[i] += own * own * inverse;
     }
-    std::sort(rows.column.begin() + static_cast<std::ptrdiff_t>(begin), rows.column.end());
-    auto kept = begin;
-    for (auto k = begin; k < rows.column.size(); ++k) {
-      const int j = rows.column[k];
-      if (sum[u(j)] != 0) rows.column[kept++] = j, rows.value.push_back(sum[u(j)]);
-      sum[u(j)] = 0, met[u(j)] = 0;
+    std::sort(found.data(), end);
+    *end++ = self;
+    for (const int* j = found.data(); j != end; ++j) {
+      if (sum[*j] != 0) half.column.push_back(*j), half.value.push_back(sum[*j]);
+      sum[*j] = 0;
     }
-    rows.column.resize(kept);
-    rows.start.push_back(static_cast<int>(kept));
+    half.start.push_back(static_cast<int>(half.column.size()));
   }
+  rows.rows = rows.cols = W.rows;
+  rows.start.assign(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = at(half.start[i]); k < at(half.start[i + 1]); ++k) {
+      ++rows.start[i + 1];
+      if (half.column[k] != static_cast<int>(i)) ++rows.start[at(half.column[k]) + 1];
+    }
+  for (std::size_t i = 0; i < n; ++i) rows.start[i + 1] += rows.start[i];
+  rows.column.resize(at(rows.start[n])), rows.value.resize(at(rows.start[n]));
+  found.assign(rows.start.begin(), rows.start.end() - 1);  // of each row where its next entry goes: ascending
+  const auto put = [&](std::size_t i, int j, double entry) {
+    const std::size_t place = at(found[i]++);
+    rows.column[place] = j, rows.value[place] = entry;
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = at(half.start[i]); k < at(half.start[i + 1]); ++k) {
+      const int j = half.column[k];
+      put(i, j, half.value[k]);
+      if (j != static_cast<int>(i)) put(at(j), static_cast<int>(i), half.value[k]);
+    }
   return true;
 }
 
