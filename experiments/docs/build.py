@@ -133,11 +133,13 @@ def gather(source, orthant):
     shutil.copytree(HERE, source, ignore=shutil.ignore_patterns("__pycache__", "*.py", "requirements.txt"))
     for file in ("conf.py", "cpp_api.py"):
         shutil.copy(HERE / file, source)
+    import contact_tables
     import figure_pages
     import figures
     import gallery  # needs Matplotlib, which the environment takes from the system
 
     figure_pages.pages(source / "data", figures.load())
+    contact_tables.pictures(source / "data")
     gallery.write(orthant, source)
     for page, file in PAGES.items():
         (source / page).write_text(page_of((ROOT / file).read_text(encoding="utf-8")), encoding="utf-8")

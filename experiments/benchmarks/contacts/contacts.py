@@ -10,7 +10,8 @@ less than a second.
     chain   error of its end at .5 s against a reference, by Orthant's adaptive at rtol 1e-12
     stack, tower   the largest way of a corner: the exact motion is none
 
-Writes contacts.csv, contacts.md and contacts.png, contacts.svg.
+Writes contacts.csv, contacts.md, and a picture of each scene, contacts_SCENE.png and .svg. Rows of contacts.csv that
+are there of other scenes and programs stay: a program can be run again by itself. summary.py has tables and pictures.
 
     build/peers/python/bin/python experiments/benchmarks/contacts/contacts.py --orthant build/release \\
       --output results/peers
@@ -33,6 +34,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import achieved  # noqa: E402
+import summary  # noqa: E402
 from scenes import QUICK_SIZES, SCENES, SIZES  # noqa: E402
 
 PROGRAMS = ["orthant", "mujoco", "drake", "dart", "bullet", "exudyn", "siconos", "pinocchio", "newton"]
@@ -40,10 +42,6 @@ HANGS = 30  # limits of wall time, in which a process that does not compute is g
 STEPS = [5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
 COLUMNS = ["scene", "size", "program", "setting", "step", "seconds", "a_step", "error", "law", "overlap", "joints",
            "energy", "unexplained", "contacts", "failure"]
-GOALS = {"pile": (1e-1, 1e-2, 1e-3, 1e-4), "chain": (1e-2, 1e-3, 1e-4, 1e-6), "stack": (1e-1, 1e-2, 1e-3, 1e-6),
-         "tower": (1e-1, 1e-2, 1e-3, 1e-6)}
-MEASURE = {"pile": "law or overlap", "chain": "error of the end / length", "stack": "way of a corner / edge",
-           "tower": "way of a corner / least edge"}
 
 
 def model(program, orthant):
@@ -84,6 +82,9 @@ def several(run):
 def one_setting(question, orthant, limit):
     """In a process of its own: a row for each step, as JSON. What takes more than the limit ends the process."""
     reference = None if question["reference"] is None else np.array(question["reference"])
+    program = model(question["program"], orthant)
+    if hasattr(program, "prepare"):
+        program.prepare(SCENES[question["scene"]](question["size"]))
     for step in question["steps"]:
         resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(time.process_time() + limit), resource.RLIM_INFINITY))
         scene = SCENES[question["scene"]](question["size"])
@@ -152,72 +153,14 @@ def measure(arguments, sizes):
                 yield from measure_setting(arguments, base, setting, reference)
 
 
-def cheapest(runs, goal):
-    """The least time of the steps that reach the goal and whose finer ones do, too."""
-    reached = []
-    for row in sorted(runs, key=lambda row: row["step"]):
-        if row["error"] == "" or row["error"] > goal:
-            if row["failure"].startswith("more than"):
-                continue  # too fine a step to end is no evidence against a coarser one
-            break
-        reached.append(row)
-    return min(reached, key=lambda row: row["seconds"], default=None)
-
-
-def cell(row, own):
-    if row is None:
-        return "–"
-    times = f", × {row['seconds'] / own['seconds']:.2g}" if own is not None and row["program"] != "orthant" else ""
-    return f"{1e3 * row['seconds']:.3g} ({1e6 * row['a_step']:.3g} µs{times})"
-
-
-def table(rows):
-    lines = []
-    for name in dict.fromkeys(row["scene"] for row in rows):
-        own, goals = [row for row in rows if row["scene"] == name], GOALS[name]
-        best = {goal: min((c for s in {row["setting"] for row in own if row["program"] == "orthant"}
-                           if (c := cheapest([row for row in own if (row["program"], row["setting"]) == ("orthant", s)],
-                                             goal))), key=lambda row: row["seconds"], default=None) for goal in goals}
-        extra = {"pile": ["law", "overlap"], "chain": ["joints", "energy"]}.get(name, ["law"])
-        lines += [f"\n`{name}` of {own[0]['size']}: milliseconds a second of motion (of a step; times Orthant's best) "
-                  f"to an error ({MEASURE[name]})\n",
-                  "| program | setting | least error | " + " | ".join(f"to {g:g}" for g in goals) + " | least " +
-                  " | least ".join(extra) + " | failed |", "|---" * (len(goals) + len(extra) + 4) + "|"]
-        for key in dict.fromkeys((row["program"], row["setting"]) for row in own):
-            runs = [row for row in own if (row["program"], row["setting"]) == key]
-            good = [row for row in runs if row["error"] != ""]
-            least = [f"{min(values):.1e}" if (values := [row[c] for row in good if row[c] != ""]) else "–"
-                     for c in ("error", *extra)]
-            failed = sorted({row["failure"] for row in runs if row["failure"]})
-            lines.append("| " + " | ".join([*key, least[0], *(cell(cheapest(runs, goal), best[goal]) for goal in goals),
-                                           *least[1:], f"{len(runs) - len(good)}" +
-                                           (": " + "; ".join(failed) if failed else "")]) + " |")
-    return "\n".join(lines).strip() + "\n"
-
-
-STYLES = {"orthant": "o-", "mujoco": "s--", "drake": "^:", "dart": "P--", "bullet": "X:", "exudyn": "v-.",
-          "siconos": "d--", "pinocchio": "p-.", "newton": "*:"}
-
-
-def draw(rows, folder):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    names = list(dict.fromkeys(row["scene"] for row in rows))
-    page, grid = plt.subplots(1, len(names), figsize=(5 * len(names), 7), squeeze=False)
-    for axis, name in zip(grid[0], names):
-        own = [row for row in rows if row["scene"] == name and row["error"] != ""]
-        for key in dict.fromkeys((row["program"], row["setting"]) for row in own):
-            points = sorted((row["seconds"], max(row["error"], 1e-12)) for row in own
-                            if (row["program"], row["setting"]) == key)
-            axis.loglog(*np.array(points).T, STYLES[key[0]], ms=4, label=", ".join(key))
-        axis.set(title=f"{name} of {own[0]['size']}" if own else name, ylabel=MEASURE[name],
-                 xlabel="processor time a second of motion [s]")
-        if axis.lines:
-            axis.legend(fontsize=6, ncol=2, loc="upper center", bbox_to_anchor=(0.5, -0.1))
-    page.tight_layout()
-    page.savefig(folder / "contacts.png", dpi=150)
-    page.savefig(folder / "contacts.svg", metadata={"Date": None})
+def write(file, rows):
+    """In the order of scenes and programs; returns them as they are read."""
+    rows = sorted(rows, key=lambda row: (list(SCENES).index(row["scene"]), PROGRAMS.index(row["program"])))
+    with open(file, "w", encoding="utf-8", newline="") as stream:
+        out = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+        out.writeheader()
+        out.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+    return summary.read(file)
 
 
 def answer(arguments):
@@ -257,16 +200,18 @@ def main():
     sizes = QUICK_SIZES if arguments.quick else SIZES
     sizes = {name: getattr(arguments, name) or sizes[name] for name in SCENES}
     arguments.output.mkdir(parents=True, exist_ok=True)
-    rows = []
-    with open(arguments.output / "contacts.csv", "w", newline="") as file:
-        out = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        out.writeheader()
-        for row in measure(arguments, sizes):
-            rows.append(row := dict.fromkeys(COLUMNS, "") | row)
-            out.writerow(row), file.flush()
-    (arguments.output / "contacts.md").write_text(table(rows))
-    sys.stdout.write(table(rows))
-    draw(rows, arguments.output)
+    file = arguments.output / "contacts.csv"
+    rows = [row for row in (summary.read(file) if file.exists() else [])
+            if not (row["scene"] in arguments.scenes and row["program"] in arguments.programs)]
+    for row in measure(arguments, sizes):
+        rows.append(dict.fromkeys(COLUMNS, "") | row)
+        write(file, rows)
+    rows = write(file, rows)
+    (arguments.output / "contacts.md").write_text(summary.text(rows), encoding="utf-8")
+    sys.stdout.write(summary.text(rows))
+    for name, own in summary.by_scene(rows).items():
+        for kind in ("png", "svg"):
+            summary.draw(own, arguments.output / f"contacts_{name}.{kind}")
 
 
 if __name__ == "__main__":

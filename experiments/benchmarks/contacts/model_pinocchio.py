@@ -2,7 +2,7 @@
 
 It has no loop of steps: here v' = v + h M⁻¹ (f + Jᵀ λ), q' = q + h v', with λ such that no gap closes beyond 0 in the
 step (its problem of constraints, over its own factorization of the Delassus matrix). ADMM by its defaults, or to 1e-10;
-warm. Normals and patches are coal's, within a distance of two steps' way. The chain has joint coordinates, without
+warm. Normals and patches are coal's, within the way of a step. The chain has joint coordinates, without
 constraints. Seconds are those of Pinocchio's and coal's calls: the loop and the lists of contacts, in Python, are not
 counted.
 """
@@ -12,11 +12,13 @@ import time
 import coal
 import numpy as np
 import pinocchio as pin
+import scipy.sparse as sparse
 
 from achieved import Contact, Pose
 from scenes import G
 
-SETTINGS = {"ADMM": ("ADMM", 1e-6, 1000), "ADMM to 1e-10": ("ADMM", 1e-10, 10000), "PGS": ("PGS", 1e-6, 1000)}
+SETTINGS = {"ADMM": ("ADMM", 1e-6, 1000, False), "ADMM to 1e-10": ("ADMM", 1e-10, 10000, False),
+            "ADMM, sparse": ("ADMM", 1e-6, 1000, True), "PGS": ("PGS", 1e-6, 1000, False)}
 
 
 DAMPING = 1e-10  # [1/kg] of the factorization: contacts are redundant; ADMM replaces it by its own
@@ -31,6 +33,15 @@ def axes(n):
         t = np.array([-z, 0.0, x]) / math.hypot(x, z)
     a, b, c = t.tolist()
     return np.column_stack([t, np.array([y * c - z * b, z * a - x * c, x * b - y * a]), n])
+
+
+KEPT = {}  # data by the number of joints: a process has one scene
+
+
+def data_of(model):
+    if model.njoints not in KEPT:
+        KEPT[model.njoints] = model.createData()
+    return KEPT[model.njoints]
 
 
 class Clock:
@@ -50,10 +61,17 @@ class Model:
     def settings(scene):
         return ["joint coordinates"] if scene == "chain" else list(SETTINGS)
 
+    def prepare(self, scene):
+        """Of 100 bodies its tables, which no step here uses, take most of a minute: they are made once."""
+        data_of(self.start(scene)[0])
+
+    def start(self, scene):
+        """Model, configuration and velocities."""
+        return self.chain(scene) if scene.joints else self.free_bodies(scene)
+
     def run(self, scene, setting, h):
-        made = self.chain(scene) if scene.joints else self.free_bodies(scene)
-        model, q, v = made
-        self.model, self.data, self.clock = model, model.createData(), Clock()
+        model, q, v = self.start(scene)
+        self.model, self.data, self.clock = model, data_of(model), Clock()
         if not scene.joints:
             self.collisions(scene)
         steps, contacts, before = round(scene.duration / h), None, None
@@ -124,7 +142,7 @@ class Model:
         """Velocities at the end of the step, and the contacts with their impulses."""
         model, data, clock = self.model, self.data, self.clock
         free = v + h * clock(pin.aba, model, data, q, v, np.zeros(model.nv))
-        margin = 1e-6 + 2 * h * max(np.max(np.linalg.norm(x.reshape(-1, 6)[:, :3], axis=1)) for x in (v, free))
+        margin = 1e-6 + h * max(np.max(np.linalg.norm(x.reshape(-1, 6)[:, :3], axis=1)) for x in (v, free))
         clock(pin.updateGeometryPlacements, model, data, self.geometry, self.places, q)
         found = []
         for pair in self.near(q, margin).tolist():
@@ -158,13 +176,17 @@ class Model:
         clock(pin.crba, model, data, q), clock(pin.computeJointJacobians, model, data, q)
         for one, its in zip(models, datas):
             clock(one.calc, model, data, its)
-        factor = pin.ConstraintCholeskyDecomposition(model, data, models, datas)
-        clock(factor.compute, model, data, models, datas, DAMPING)
         J = clock(pin.getConstraintsJacobian, model, data, models, datas)
-        kind, tolerance, most = how
-        delassus = factor.getDelassusOperatorCholeskyExpression()
-        if kind == "PGS":  # its sweeps take the matrix
-            delassus = clock(lambda: pin.DelassusOperatorDense(delassus.matrix()))
+        kind, tolerance, most, sparse_form = how
+        if sparse_form:
+            rows = sparse.csr_matrix(J)
+            delassus = clock(pin.DelassusOperatorSparse, (rows @ self.inverse_masses(scene) @ rows.T).tocsc())
+        else:
+            factor = pin.ConstraintCholeskyDecomposition(model, data, models, datas)
+            clock(factor.compute, model, data, models, datas, DAMPING)
+            delassus = factor.getDelassusOperatorCholeskyExpression()
+            if kind == "PGS":  # its sweeps take the matrix
+                delassus = clock(lambda: pin.DelassusOperatorDense(delassus.matrix()))
         settings, result = getattr(pin, kind + "SolverSettings")(), getattr(pin, kind + "SolverResult")()
         settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = tolerance
         settings.relative_feasibility_tol = settings.relative_complementarity_tol = tolerance
@@ -182,13 +204,17 @@ class Model:
         return free + clock(self.answered, model, data, q, J, impulse), contacts
 
     @staticmethod
+    def inverse_masses(scene):
+        return sparse.diags_array(np.concatenate([[*[1 / b.mass] * 3, *(1 / b.moments)] for b in scene.bodies]))
+
+    @staticmethod
     def answered(model, data, q, J, impulse):
         """M⁻¹ Jᵀ λ, by the factors of M that its decomposition left."""
         pin.cholesky.decompose(model, data)
         return pin.cholesky.solve(model, data, J.T @ impulse)
 
     def pose(self, scene, q, v):
-        data = self.model.createData()
+        data = self.data
         pin.forwardKinematics(self.model, data, q, v)
         at = [np.array([0.5, 0, 0]) if scene.joints else np.zeros(3)] * len(scene.bodies)
         place, rotation, velocity, omega = [], [], [], []

@@ -5,7 +5,7 @@
 //   JSON: seconds (processor time of the steps alone), steps, velocities before and after the last step, poses at which
 //   it has its rows and after it, and its contacts: bodies a and b (−1: the ground), point on a, point on b, normal
 //   to a, impulse on a [N s], gap.
-#include "experiments/support/clock.h"
+#include "experiments/benchmarks/contacts/thread_clock.h"
 
 #include <orthant/core/scenes/registry.h>
 #include <orthant/integrators/registry.h>
@@ -92,9 +92,9 @@ int main(int argc, char** argv) try {
   double seconds = 0;
   for (long k = 0; k < steps; ++k) {
     before = x;
-    const double begin = rival::processor_time();
+    const double begin = rival::thread_time();
     const StepReport report = integrator->step(step, *solver, x);
-    seconds += rival::processor_time() - begin;
+    seconds += rival::thread_time() - begin;
     if (report.status != Status::solved)
       throw std::runtime_error("step " + std::to_string(k + 1) + ": " + std::string(name(report.status)) + ' ' +
                                integrator->why());

@@ -4,7 +4,7 @@
 //
 //   Prints lines: "seconds S steps N"; "before" and "after" of each body: place, quaternion, velocity, angular velocity
 //   in its frame; "contact": bodies, points on both, normal, impulse on the first, gap.
-#include "../../support/clock.h"
+#include "thread_clock.h"
 
 #include <MechanicsFwd.hpp>  // before the kernel: names what its visitors visit
 
@@ -177,16 +177,16 @@ int main(int argc, char** argv) try {
   double seconds = 0;
   for (long k = 0; k < steps; ++k) {
     if (k + 1 == steps) print_state("before", world);
-    const double begin = rival::processor_time();
+    const double begin = rival::thread_time();
     stepping->advanceToEvent();
     if (k + 1 == steps) {
-      seconds += rival::processor_time() - begin;
+      seconds += rival::thread_time() - begin;
       print_contacts(world);
       print_state("after", world);
       break;
     }
     stepping->processEvents();
-    seconds += rival::processor_time() - begin;
+    seconds += rival::thread_time() - begin;
   }
   std::printf("seconds %.9g steps %ld\n", seconds, steps);
 } catch (const std::exception& error) {
