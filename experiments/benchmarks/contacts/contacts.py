@@ -38,7 +38,7 @@ import summary  # noqa: E402
 from scenes import QUICK_SIZES, SCENES, SIZES  # noqa: E402
 
 PROGRAMS = ["orthant", "mujoco", "drake", "dart", "bullet", "exudyn", "siconos", "pinocchio", "newton"]
-HANGS = 30  # limits of wall time, in which a process that does not compute is given up
+HANGS = 30  # times the limit that a step may wait for a processor: then the process is given up
 STEPS = [5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
 COLUMNS = ["scene", "size", "program", "setting", "step", "seconds", "a_step", "error", "law", "overlap", "joints",
            "energy", "unexplained", "contacts", "failure"]
@@ -109,18 +109,17 @@ def started(arguments, question):
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONWARNINGS": "ignore"}
     command = [sys.executable, __file__, "--orthant", arguments.orthant, "--time-limit", str(arguments.time_limit),
                "--case", json.dumps(question)]
-    late = f"more than {arguments.time_limit:g} s"
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment) as one:
         try:
-            said, words = one.communicate(timeout=HANGS * arguments.time_limit)
+            said, words = one.communicate(timeout=HANGS * arguments.time_limit * len(question.get("steps", "1")))
         except subprocess.TimeoutExpired:
             one.kill()
             said, words = one.communicate()
     answers = [json.loads(line[7:]) for line in said.splitlines() if line.startswith("ANSWER ")]
     if one.returncode == 0:
         return answers, None
-    if one.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
-        return answers, late
+    if one.returncode == -signal.SIGXCPU:
+        return answers, f"more than {arguments.time_limit:g} s"
     return answers, (words.strip().splitlines() or [f"exit code {one.returncode}"])[-1][:160]
 
 

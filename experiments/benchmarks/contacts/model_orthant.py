@@ -14,7 +14,8 @@ from scenes import toml
 
 FIXED = {"moreau-jean, auto": ("moreau-jean", "auto"), "moreau-jean, psor 1e-4": ("moreau-jean", "psor:tolerance=1e-4"),
          "moreau-jean, nncg 1e-6": ("moreau-jean", "nncg:tolerance=1e-6"),
-         "stewart-trinkle, auto": ("stewart-trinkle", "auto")}
+         "stewart-trinkle, auto": ("stewart-trinkle", "auto"),
+         "stewart-trinkle, psor 1e-4": ("stewart-trinkle", "psor:tolerance=1e-4")}
 
 
 class Model:
