@@ -1,6 +1,6 @@
 """Orthant: rigid contacts with a friction disc, joints as constraints.
 
-Fixed steps by its default solver, or by sweeps to 1e-4 or 1e-6; the chain also by `adaptive`, with rtol = (step / 1 s)³.
+Fixed steps by its solver `auto` or sweeps to 1e-4 or 1e-6; the chain also by `adaptive`, with rtol = (step / 1 s)³.
 """
 import json
 import os

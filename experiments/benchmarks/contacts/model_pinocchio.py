@@ -1,4 +1,4 @@
-"""Pinocchio (pin) with its collision library coal: rigid contacts, Coulomb's cone by its ADMM or projected Gauss-Seidel.
+"""Pinocchio (pin) with its collision library coal: rigid contacts, Coulomb's cone by ADMM or Gauss-Seidel.
 
 It has no loop of steps: here v' = v + h M⁻¹ (f + Jᵀ λ), q' = q + h v', with λ such that no gap closes beyond 0 in the
 step (its problem of constraints, over its own factorization of the Delassus matrix). ADMM by its defaults, or to 1e-10;

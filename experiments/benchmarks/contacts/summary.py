@@ -75,7 +75,8 @@ def table(rows):
         figures = [f"{value:.1e}" if (value := least(own, column)) is not None else NONE
                    for column in ("error", *FURTHER[name])]
         lines.append("| " + " | ".join([NAMES[program], figures[0], *(
-            cell(best(rows, program, goal), best(rows, "orthant", goal)) for goal in GOALS[name]), *figures[1:]]) + " |")
+            cell(best(rows, program, goal), best(rows, "orthant", goal)) for goal in GOALS[name]), *figures[1:]]) +
+                     " |")
     return "\n".join(lines) + "\n"
 
 
@@ -111,7 +112,8 @@ def failures(rows):
 
 def why_of(row):
     """Without figures that differ from step to step."""
-    return row["failure"].split(" at t = ")[0].split(" at simulation time")[0].removeprefix("step 1: ").replace("|", "/")
+    why = row["failure"].split(" at t = ")[0].split(" at simulation time")[0]
+    return why.removeprefix("step 1: ").replace("|", "/")
 
 
 def front(points):

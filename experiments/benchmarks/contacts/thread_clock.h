@@ -1,4 +1,4 @@
-// experiments/benchmarks/contacts/thread_clock.h — processor time of this thread. Where processor time is limited, Linux
+// experiments/benchmarks/contacts/thread_clock.h — processor time of this thread. Where that is limited, Linux
 // advances the clock of the process by ticks of some milliseconds only.
 #pragma once
 
