@@ -46,7 +46,8 @@ std::pair<std::string, std::vector<std::size_t>> split_places(const std::string&
     if (open == std::string::npos) break;
     const char *from = name.data() + open + 1, *to = name.data() + name.size() - 1;
     const auto [end, error] = std::from_chars(from, to, place);
-    if (error != std::errc() || end != to) refuse_parameter(key, "must end with a place, such as [0]");
+    if (error != std::errc() || end != to)
+      refuse_parameter(key, "a place must be a whole number from 0 on, such as [0]");
     places.insert(places.begin(), place);
     name.resize(open);
   }
@@ -204,8 +205,10 @@ RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Spac
                      "no number is found at this key in the scene: must be an option, KIND.NAME.KEY, an entry of an "
                      "array such as KIND.NAME.KEY[0] or KIND.NAME.KEY[0][1], or be given by KEY=VALUE");
   const toml::table document = document_of(text);
-  const toml::node* found = document.get("value");
-  if (found != nullptr) found = entry_at(*found, places);
+  const toml::node* const whole = document.get("value");
+  const toml::node* const found = whole != nullptr ? entry_at(*whole, places) : nullptr;
+  if (whole != nullptr && whole->is_array() && found == nullptr)
+    refuse_parameter(key, "there is no such entry in " + in_one_line(text) + ": places count from 0");
   const auto number = found != nullptr ? found->value<double>() : std::nullopt;
   if (!number)
     refuse_parameter(key, "the value is " + in_one_line(text) +
@@ -278,7 +281,11 @@ template <class Space> struct NamedIn {
           const std::vector<std::string>& wrt, std::string_view integrator)
       : method(integrator.substr(0, integrator.find(':'))), scene(std::move(made)), system(scene) {
     if (method.size() < integrator.size()) given = integrator.substr(method.size() + 1);
-    for (const std::string& column : of) columns.push_back(column_of(scene, column));
+    for (auto column = of.begin(); column != of.end(); ++column) {
+      if (std::find(of.begin(), column, *column) != column)
+        throw std::invalid_argument("column '" + in_one_line(*column) + "': is given twice: must be given once");
+      columns.push_back(column_of(scene, *column));
+    }
     for (auto key = wrt.begin(); key != wrt.end(); ++key) {
       if (std::find(wrt.begin(), key, *key) != key) refuse_parameter(*key, "is given twice: must be given once");
       parameters.push_back(parameter_of(source, scene, *key));

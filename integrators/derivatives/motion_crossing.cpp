@@ -45,6 +45,11 @@ void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
         none("contact " + name(event.contact) + " strikes without a slip: the friction that begins there has no sense");
     }
     if (sticks) held.push_back({event.contact, event.tangent, bound});
+    const ContactMode& mode = after.modes[static_cast<std::size_t>(event.contact)];
+    if (sticks && law.e_t == 0 && mode.lasting && mode.slip != 0 && varies_e_t(event.contact))
+      none("contact " + name(event.contact) +
+           " stops in an impact and slides from there on: restitution e_t of either sign gives it a slip of another "
+           "sense");
     crossing.struck.push_back({event.contact, false, sense, sticks});
     crossing.plastic = crossing.plastic || event.kind == EventKind::accumulation;
     if (!before_.modes[static_cast<std::size_t>(event.contact)].lasting) crossing.guards.push_back(event.contact);
@@ -61,6 +66,12 @@ void MotionVariation::strikes(const Arc& after, Crossing& crossing) {
 }
 
 /// Whether a struck contact has no slip after the impact, or the one that e_T wants.
+bool MotionVariation::varies_e_t(int contact) const {
+  return std::ranges::any_of(directions_, [&](const VariedDirection& d) {
+    return std::ranges::any_of(d.change.laws, [&](const auto& law) { return law.contact == contact && law.e_t != 0; });
+  });
+}
+
 bool MotionVariation::stops(int contact, const Arc& after) {
   const ContactLaw& law = system_.law(contact);
   const bool strikes = -base_.gap_rate(contact, now(), before_.q1, before_.v1) > kRestSpeed * law.unit;

@@ -108,6 +108,7 @@ class MotionVariation {
   void cross(const Arc& after);
   void strikes(const Arc& after, Crossing& crossing);
   bool stops(int contact, const Arc& after);
+  bool varies_e_t(int contact) const;  // a direction changes it
   void check_held(const std::vector<HeldFriction>& held);
   void slips(const Arc& after, Crossing& crossing);
   bool jumps(const Arc& after);

@@ -60,6 +60,9 @@ class RattleLinearization {
   }
   const std::vector<int>& degenerate() const { return degenerate_; }
   bool consistent() const { return consistent_; }
+  Sharing sharing() const {
+    return position_.sensitivity.redundant() || velocity_.sensitivity.redundant() ? Sharing::impulses : Sharing::unique;
+  }
 
  private:
   /// One of the two problems: rows of the contacts that have them, then of dry friction in joints.

@@ -14,6 +14,19 @@ void note_degenerate(double t, const std::vector<int>& some, const std::vector<i
   if (!one.contacts.empty()) steps.push_back(std::move(one));
 }
 
+void SharedSteps::append_words(bool impulses, std::vector<std::string>& warnings) const {
+  const long of_motion = steps_[static_cast<std::size_t>(Sharing::motion)];
+  const long of_impulses = of_motion + steps_[static_cast<std::size_t>(Sharing::impulses)];
+  if (of_motion > 0)
+    warnings.push_back("in " + std::to_string(of_motion) +
+                       " steps contacts that slide share a load which rigid bodies leave open: the run and its "
+                       "derivatives depend on the shares, which the solver chose");
+  if (impulses && of_impulses > 0)
+    warnings.push_back("in " + std::to_string(of_impulses) +
+                       " steps contacts share their impulses by the solver's choice: the derivatives are those of even "
+                       "shares, only sums are determined");
+}
+
 RunSteps::RunSteps(const Clock& clock) : step(clock.step), duration(clock.duration), every(clock.every) {
   whole = static_cast<long>(std::floor(duration / step * (1 + 1e-12) + 1e-9));
   rest = duration - static_cast<double>(whole) * step;
@@ -81,6 +94,37 @@ template <class Space> Index places_of_state(const SystemOf<Space>& system) {
   return kPlanar<Space> ? 2 * system.dof() : kSpatialColumns * system.bodies();
 }
 
+/// The gap's slopes by the pose. They are the normal row but where the gap's point is neither held by the bodies nor the
+/// nearest one: points of a rim beside the lowest one, whose slopes are differences.
+template <class Space>
+RowOf<Space> gap_row(const SystemOf<Space>& system, int contact, const KinematicsOf<Space>& at, const State& x) {
+  const auto& one = system.scene().contacts[static_cast<std::size_t>(contact)];
+  RowOf<Space> row = std::visit([&](const auto& c) { return c.rows(at).normal; }, one);
+  if constexpr (!kPlanar<Space>) {
+    const auto* rim = std::get_if<spatial::RimPlane>(&one);
+    if (rim == nullptr || rim->phase == 0) return row;
+    constexpr double kWay = 1e-5;  // [m, rad]: of fourth order
+    KinematicsOf<Space> there = at;
+    Eigen::VectorXd q, step = Eigen::VectorXd::Zero(system.dof());
+    const auto differ = [&](BodyId body, typename RowOf<Space>::Entries& entries) {
+      for (std::size_t i = 0; i < entries.size() && body >= 0; ++i) {
+        const Index place = Space::kVelocities * Index{body} + static_cast<Index>(i);
+        double sum = 0;
+        for (const auto& [k, weight] : {std::pair(-2, 1. / 12), {-1, -8. / 12}, {1, 8. / 12}, {2, -1. / 12}}) {
+          step[place] = k * kWay;
+          move<Space>(x.q, step, q);
+          set_poses(system, x.t, q, there);
+          sum += weight * gap_of(system, {}, contact, there);
+        }
+        step[place] = 0;
+        entries[i] = sum / kWay;
+      }
+    };
+    differ(row.a, row.ja), differ(row.b, row.jb);
+  }
+  return row;
+}
+
 }  // namespace
 
 template <class Space> ColumnSlopesOf<Space>::ColumnSlopesOf(const System& system, std::vector<RunColumn> columns)
@@ -127,8 +171,7 @@ template <class Space> double ColumnSlopesOf<Space>::push(std::size_t i, const P
     }
   }
   if (column.kind != RunColumn::Kind::gap) return 0;
-  const auto& contact = system_.scene().contacts[static_cast<std::size_t>(column.place)];
-  return apply(std::visit([&](const auto& c) { return c.rows(at_).normal; }, contact), q) + by_parameter(i, parameter);
+  return apply(gap_row(system_, static_cast<int>(column.place), at_, x_), q) + by_parameter(i, parameter);
 }
 
 template <class Space> void ColumnSlopesOf<Space>::pull(std::size_t i, double weight, double* q, double* v) const {
@@ -143,8 +186,7 @@ template <class Space> void ColumnSlopesOf<Space>::pull(std::size_t i, double we
       });
   }
   if (column.kind != RunColumn::Kind::gap) return;
-  const auto& contact = system_.scene().contacts[static_cast<std::size_t>(column.place)];
-  apply_transposed(std::visit([&](const auto& c) { return c.rows(at_).normal; }, contact), weight, q);
+  apply_transposed(gap_row(system_, static_cast<int>(column.place), at_, x_), weight, q);
 }
 
 template <class Space>

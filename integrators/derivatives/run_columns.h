@@ -6,7 +6,9 @@
 #include <orthant/integrators/derivatives/spatial_step_linearization.h>
 #include <orthant/integrators/simulate.h>
 
+#include <array>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -54,6 +56,17 @@ struct DegenerateStep {
 /// Appends a step where there are any such contacts, of two ascending lists.
 void note_degenerate(double t, const std::vector<int>& some, const std::vector<int>& others,
                      std::vector<DegenerateStep>& steps);
+
+/// Counts the steps whose impulses are shared, and says so.
+class SharedSteps {
+ public:
+  void take(Sharing sharing) { ++steps_[static_cast<std::size_t>(sharing)]; }
+  /// impulses: whether they are among the columns.
+  void append_words(bool impulses, std::vector<std::string>& warnings) const;
+
+ private:
+  std::array<long, 3> steps_{};
+};
 
 /// Steps of a run, as simulate() takes them; records stand at the start, every so many steps and at the end.
 struct RunSteps {

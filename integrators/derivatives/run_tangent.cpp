@@ -54,6 +54,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       if (columns[i].impulse()) take(static_cast<Index>(i), columns[i]);
   };
   State before;
+  SharedSteps shared;
   std::vector<int> touching;  // at the start
   bool begun = false;
   Clock each = clock;
@@ -82,11 +83,13 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       refuse_overflow(std::isfinite(dq.sum() + dv.sum()), before.t);
       note_degenerate(before.t, linear.degenerate(), step == 0 ? touching : std::vector<int>(), result.degenerate);
       result.inconsistent += !linear.consistent();
+      shared.take(linear.sharing());
       ++step;
     }
     before = moment.state;
     if (record && steps.recorded(step)) write(moment.state);
   });
+  shared.append_words(slopes.any_impulse(), result.warnings);
   result.q = dq, result.v = dv;
   return result;
 }

@@ -119,7 +119,7 @@ void SpatialStepLinearization::find_strikes() {
     Trace::Place& place = step_.places[k];
     place.inelastic = place.inelastic && apply(surfaces_[k].rows[0], step_.before.v.data()) < 0;
     if (place.normal >= 0) e_[place.normal] = place.inelastic ? 0 : law.e;
-    any = any || (step_.places[k].tangent >= 0 && law.e_t != 0);
+    any = any || step_.places[k].tangent >= 0;  // a parameter may change e_t = 0
   }
   if (!any) return;
   solve_step(nullptr);
@@ -221,6 +221,16 @@ void SpatialStepLinearization::find_problem() {
   problem_.lo = step_.lo, problem_.hi = step_.hi, problem_.friction = step_.friction;
 }
 
+bool SpatialStepLinearization::any_slides() const {
+  for (std::size_t k = 0; k < step_.friction.size(); ++k) {
+    const Friction& f = step_.friction[k];
+    const double slip = f.rows == 1 ? std::abs(solution_.w[f.first]) : solution_.w.segment(f.first, f.rows).norm();
+    if (f.mu > 0 && step_.z[f.normal] > 0 && slip > kStickSpeed * system_.law(step_.friction_of[k].first).unit)
+      return true;
+  }
+  return false;
+}
+
 void SpatialStepLinearization::find_pattern() {
   sensitivity_.clear();
   if (step_.rows == 0) return;
@@ -230,13 +240,14 @@ void SpatialStepLinearization::find_pattern() {
   judge_.certify(problem_, kPlainStep, Claim::candidate, solution_);
   if (!has_answer(solution_.status)) refuse_step(step_.before.t, ": its impulses are not those of the contact laws");
   sensitivity_.set_up(problem_, solution_);
+  if (sensitivity_.redundant()) sharing_ = any_slides() ? Sharing::motion : Sharing::impulses;
   for (const WeaklyActive& row : sensitivity_.weakly_active()) note_degenerate(row.row);
   std::sort(degenerate_.begin(), degenerate_.end());
   degenerate_.erase(std::unique(degenerate_.begin(), degenerate_.end()), degenerate_.end());
 }
 
 void SpatialStepLinearization::set_up(const Trace& given) {
-  degenerate_.clear(), consistent_ = true;
+  degenerate_.clear(), consistent_ = true, sharing_ = Sharing::unique;
   extend(given);
   const State& x = step_.before;
   const double a = options_.theta, theta = options_.theta, h = step_.h;

@@ -65,6 +65,7 @@ class SpatialStepLinearization {
   }
   const std::vector<int>& degenerate() const { return degenerate_; }
   bool consistent() const { return consistent_; }
+  Sharing sharing() const { return sharing_; }
 
  private:
   void pull(double* q, double* v, const ImpulseChange* impulses);
@@ -77,6 +78,7 @@ class SpatialStepLinearization {
   void find_problem();
   void find_pattern();
   void note_degenerate(Index row);
+  bool any_slides() const;
   void linearize_frames();
   void linearize_rows();
   /// Row `row` with the impulse `force` in r₁, its rate (u, and e v at the start) in r at `out`.
@@ -113,6 +115,7 @@ class SpatialStepLinearization {
   StepSensitivity sensitivity_;
   std::vector<int> degenerate_;
   bool consistent_ = true;
+  Sharing sharing_ = Sharing::unique;
   Eigen::VectorXd force_, rate_, x_, q_end_, by_step_, by_projection_;
   DirectionBlock start_, middle_, rho_, solved_, z_, both_;  // of the directions
 };

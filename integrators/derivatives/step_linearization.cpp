@@ -129,7 +129,7 @@ void StepLinearization::form_extended(const StepTrace& given) {
 }
 
 void StepLinearization::set_up(const StepTrace& given) {
-  degenerate_.clear(), consistent_ = true;
+  degenerate_.clear(), consistent_ = true, sharing_ = Sharing::unique;
   extend(given);
   const StepTrace& step = *step_;
   const State& x = step.before;
@@ -179,9 +179,10 @@ void StepLinearization::set_up(const StepTrace& given) {
     judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
     stick_.clear();
     for (const auto& [contact, is_static] : step.mu_of) stick_.push_back(kStickSpeed * system_.law(contact).unit);
-    if (share_friction(step.problem, rows_, system_.dof(), solution_.w, stick_, solution_.z))
-      judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
+    const bool shared = share_friction(step.problem, rows_, system_.dof(), solution_.w, stick_, solution_.z);
+    if (shared) judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
     sensitivity_.set_up(step.problem, solution_);
+    if (shared || sensitivity_.redundant()) sharing_ = Sharing::impulses;
     for (const WeaklyActive& row : sensitivity_.weakly_active())
       for (std::size_t k = 0; k < places_.size(); ++k)
         if (places_[k].normal == row.row || places_[k].tangent == row.row) degenerate_.push_back(step.contacts[k]);

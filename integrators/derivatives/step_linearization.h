@@ -91,6 +91,7 @@ class StepLinearization {
   /// Of the last step: contacts with weakly active rows, and whether redundant contacts parted.
   const std::vector<int>& degenerate() const { return degenerate_; }
   bool consistent() const { return consistent_; }
+  Sharing sharing() const { return sharing_; }
 
  private:
   void pull(double* q, double* v, const ImpulseChange* impulses);
@@ -121,6 +122,7 @@ class StepLinearization {
   StepSensitivity sensitivity_;
   std::vector<int> degenerate_;
   bool consistent_ = true;
+  Sharing sharing_ = Sharing::unique;
   Judge judge_;
   Solution solution_;
   std::vector<double> stick_;  // [m/s] of each friction

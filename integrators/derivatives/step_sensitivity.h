@@ -15,14 +15,20 @@
 
 namespace orthant {
 
+/// Whether the impulses of a step are unique: else contacts share them, by the solver's choice. `motion`: the step
+/// itself depends on the shares.
+enum class Sharing : unsigned char { unique, impulses, motion };
+
 class StepSensitivity {
  public:
   /// problem.A dense; `solution` has an answer. problem stays where it is.
   void set_up(const Lcp& problem, const Solution& solution);
   /// None, until the next set_up().
-  void clear() { weak_.clear(), problem_ = nullptr; }
+  void clear() { weak_.clear(), full_.reset(), problem_ = nullptr; }
 
   const std::vector<WeaklyActive>& weakly_active() const { return weak_; }
+  /// z is not unique: rows hold more than once.
+  bool redundant() const { return full_ && full_->report().redundant; }
 
   /// ż (rows × count) of ẇ at fixed z, of hi with lo = −hi (null: unchanged), and of μ, one row a friction. False: a
   /// direction parts redundant rows, by more than rounding: 1e-12 of the largest ẇ of this object's life, a run.

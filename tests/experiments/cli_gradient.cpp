@@ -244,10 +244,10 @@ mu = 0.3
     INFO(reply.err);
     CHECK(reply.err.find(words) != std::string::npos);
   };
-  refused("contact.f.corners[4][0]", "must be a number, or one of its entries by their places from 0");
+  refused("contact.f.corners[4][0]", "there is no such entry in [[-0.5, -0.25], ");
   refused("contact.f.corners[0]", "must be a number, or one of its entries by their places from 0");
-  refused("body.b.position[2]", "the value is [0, 0.29999999999999999]: must be");
-  refused("body.b.position[x]", "must end with a place, such as [0]");
+  refused("body.b.position[2]", "there is no such entry in [0, 0.29999999999999999]: places count from 0");
+  refused("body.b.position[x]", "a place must be a whole number from 0 on, such as [0]");
   refused("body.b.nothing", "no number is found at this key");
   refused("contact.f.mu,contact.f.mu", "parameter 'contact.f.mu': is given twice: must be given once");
 }
