@@ -350,3 +350,32 @@ TEST_CASE("tangent of a motion: friction of a flat landing, at opposite bounds a
   CHECK(run.q(3, 0) == doctest::Approx((end(step) - end(-step)) / (2 * step)).epsilon(1e-6));
   CHECK(run.degenerate.empty());
 }
+
+TEST_CASE("tangent of a motion: e_t = 0 of contacts that stop in impacts and slide from there has none") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "b"
+mass = 2
+inertia = 0.05
+position = [0, 0.15]
+angle = 0.3
+velocity = [0.5, 0]
+omega = 0.3
+[[contact]]
+type = "polygon-wall"
+name = "f"
+body = "b"
+corners = [[-0.2, -0.1], [0.2, -0.1], [0.2, 0.1], [-0.2, 0.1]]
+wall = {normal = [-0.29552020666133955, 0.955336489125606]}
+mu = 0.2
+e_n = 0.3
+)";
+  const auto solver = make_solver("auto");
+  const System system(from_text(text)({}));
+  const auto by = [&](const std::string& key, double value) {
+    return differentiate_motion(system, parameters_by_keys(text, {{key, value}}), {}, *solver, 0.2);
+  };
+  CHECK(by("contact.f.e_t", 0).none.find("restitution e_t of either sign") != std::string::npos);
+  CHECK(by("contact.f.mu", 0.2).none == "");
+}

@@ -181,6 +181,72 @@ TEST_CASE("tangent of a run in space: friction that begins at mu = 0 is against 
   CHECK(std::abs(t.q(1, 0) + 9.81 / 8 * u.y()) < 1e-6);
 }
 
+TEST_CASE("tangent of a run in space: restitution along the surface at its default of 0, by differences") {
+  const std::string text = R"(
+dimension = 3
+gravity = [0, 0, -9.81]
+[[body]]
+name = "ball"
+mass = 1
+inertia = 0.004
+position = [0, 0, 0.15]
+velocity = [0.5, 0.2, 0]
+[[contact]]
+type = "sphere-wall"
+name = "floor"
+body = "ball"
+radius = 0.1
+mu = 0.5
+e_n = 0.3
+wall = {normal = [0, 0, 1]}
+)";
+  check_spatial(spatial_from_text(text), {by_key(text, "contact.floor.e_t", 0)}, {.step = 1e-3, .duration = 0.15});
+}
+
+TEST_CASE("columns of a run in space: gaps of points beside the lowest one of a rim, by differences of poses") {
+  const std::string text = R"(
+dimension = 3
+[[body]]
+name = "drum"
+mass = 0.8
+inertia = [0.004, 0.005, 0.006]
+position = [0, 0, 0.16]
+orientation = [0.9, 0.3, 0.3, 0.1]
+[[contact]]
+type = "cylinder-wall"
+name = "floor"
+body = "drum"
+radius = 0.1
+height = 0.16
+wall = {normal = [0, 0.03, 1]}
+)";
+  const SystemOf<Spatial> system(spatial_from_text(text));
+  std::vector<RunColumn> columns;
+  for (Index i = 0; i < system.contacts(); ++i) columns.push_back({Kind::gap, i});
+  ColumnSlopesOf<Spatial> slopes(system, columns);
+  const State x = system.initial_state();
+  const double way = 1e-6;
+  for (Index j = 0; j < system.dof(); ++j) {
+    const Eigen::VectorXd direction = Eigen::VectorXd::Unit(system.dof(), j);
+    std::vector<double> side[2];
+    for (int k = 0; k < 2; ++k) {
+      State moved = x;
+      move<Spatial>(x.q, (k == 0 ? -way : way) * direction, moved.q);
+      slopes.set_up(moved);
+      for (std::size_t i = 0; i < columns.size(); ++i) side[k].push_back(slopes.value(i, moved));
+    }
+    slopes.set_up(x);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      INFO(i, ' ', j);
+      const double by = (side[1][i] - side[0][i]) / (2 * way);
+      CHECK(std::abs(slopes.push(i, {}, direction.data(), direction.data()) - by) < 1e-8);
+      Eigen::VectorXd q = Eigen::VectorXd::Zero(system.dof()), v = q;
+      slopes.pull(i, 2, q.data(), v.data());
+      CHECK(std::abs(q[j] - 2 * by) < 1e-8);
+    }
+  }
+}
+
 TEST_CASE("tangent of a run in space: contacts without force are named; what has no derivative is refused") {
   const std::string text = R"(
 dimension = 3
