@@ -133,7 +133,8 @@ void RattleLinearization::find_velocities() {
   missed /= 1 + std::max(y.v.lpNorm<Eigen::Infinity>(), x.v.lpNorm<Eigen::Infinity>());
   if (!(missed <= kSameRattle))
     throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(x.t) +
-                             " s the step is not the plain one of rattle, by " + detail::text_of(missed));
+                             " s the step is not the plain one of rattle, by " + detail::text_of(missed) +
+                             ": such a step has no derivative here; a smaller one may avoid it");
 }
 
 double RattleLinearization::speed_at_surface(std::size_t k, double& square) const {

@@ -196,7 +196,8 @@ void StepLinearization::set_up(const StepTrace& given) {
   const double missed = projection_.set_up(x.t + h, q_a_, v_new_, step.after);
   if (!(missed <= kSameStep))
     throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(x.t) +
-                             " s the step is not the plain one of moreau-jean, by " + detail::text_of(missed));
+                             " s the step is not the plain one of moreau-jean, by " + detail::text_of(missed) +
+                             ": such a step has no derivative here; a smaller one may avoid it");
 }
 
 void StepLinearization::add_row(const Row& row, const RowSlope& slope, double force, const Eigen::VectorXd& u,

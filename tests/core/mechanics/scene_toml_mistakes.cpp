@@ -220,6 +220,7 @@ struct Override {
 
 const Override kBadOverrides[] = {
     {{"gravity"}, "override gravity: must have the form key=value"},
+    {{"gravity[1]=-9"}, "override gravity[1]=-9: a key has no places: must give the whole array, gravity=[...]"},
     {{"gravty=[0, 0]"}, "override gravty=[0, 0]: unknown key \"gravty\": must be one of gravity, duration, step"},
     {{"gravity=down"}, "override gravity=down: "},
     {{"gravity=[0, \"x\"]"}, "override gravity=[0, \"x\"]: gravity = 'x': must be a number"},

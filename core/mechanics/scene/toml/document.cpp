@@ -55,6 +55,11 @@ void apply_override(toml::table& root, std::string_view override_text, std::vect
     throw std::invalid_argument(std::string(kOverride) + std::string(override_text.substr(0, end)) +
                                 " ...: must be one line");
   const auto put = [&](std::string_view text, const Path& above, toml::table& into) {
+    const auto key = text.substr(0, text.find('='));
+    if (const auto open = key.find('[');
+        open != std::string_view::npos && key.find_first_of("\"'") == std::string_view::npos)
+      throw std::invalid_argument(name + ": a key has no places: must give the whole array, " +
+                                  std::string(key.substr(0, open)) + "=[...]");
     toml::table values = parse(text, name);
     std::vector<Path> added;
     list_paths(values, above, added);
