@@ -1,7 +1,7 @@
 # orthant_add_sanitized(targets…): each once more as objects, sanitized_TARGET, that end the program at a memory error or
 # undefined behaviour, and check Eigen's sizes. A release build's tests are linked with them, so that tests are compiled once.
 # (Preset asan builds everything so.) Called where the targets are made: properties of sources hold in one folder.
-set(ORTHANT_SANITIZERS -O1 -g1 -include "${PROJECT_SOURCE_DIR}/core/cmake/eigen_assert.h" -fno-omit-frame-pointer
+set(ORTHANT_SANITIZERS -O1 -g1 -include "${PROJECT_SOURCE_DIR}/tests/support/eigen_assert.h" -fno-omit-frame-pointer
     -fsanitize=address,undefined -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr -fno-sanitize-recover=all)
 
 function(orthant_add_sanitized)

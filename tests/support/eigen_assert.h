@@ -1,4 +1,4 @@
-// core/cmake/eigen_assert.h — Eigen's checks of sizes and indices in objects with sanitizers, which have NDEBUG.
+// tests/support/eigen_assert.h — Eigen's checks of sizes and indices in objects with sanitizers, which have NDEBUG.
 //
 //   (They have it as the tests' objects do: classes of other libraries look different without.)
 #pragma once
