@@ -234,7 +234,7 @@ mu = 0.3
   const double step = 1e-7;
   const double of_left = (theta(-0.25 + step, 0.5) - theta(-0.25 - step, 0.5)) / (2 * step);
   const double of_right = (theta(-0.25, 0.5 + step) - theta(-0.25, 0.5 - step)) / (2 * step);
-  CHECK(std::abs(of_left) > 0.1);
+  CHECK(std::abs(of_left) > 0.01);
   CHECK(std::abs(number_behind(a.out, "d b.theta / d contact.f.corners[0][1]") - of_left) < 1e-5 * std::abs(of_left));
   CHECK(std::abs(number_behind(a.out, "d b.theta / d contact.f.corners[1][0]") - of_right) < 1e-5);
 
