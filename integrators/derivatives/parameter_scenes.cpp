@@ -149,6 +149,10 @@ template <class Space> void choose_scenes(const RunParameterOf<Space>& parameter
     if (error->sum() < least.sum()) least = *error, best = step;
   }
   if (change.step != best) measured(best);
+  if (change.moves_drive) {  // nearer scenes: hardly any evaluation of a step lies between their breakpoints
+    error = measured(1e-3 * best);
+    if (!error || change.side != side || error->sum() > kFine) measured(best);
+  }
   if (least.sum() > kCoarse)
     refuse("no step of a difference resolves the change of the scene: two of them differ by " +
            detail::text_of(least.sum()) + " of it");

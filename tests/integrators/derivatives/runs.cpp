@@ -276,3 +276,44 @@ factor = {type = "table", times = [0, 0.5, 1], values = [0, 1, 0]}
   REQUIRE(t.warnings.size() == 1);
   CHECK(t.warnings[0].find("time moves the time 0.5 s of a table, which is evaluated there") == 0);
 }
+
+TEST_CASE("tangent of a run: a time of a drive's table next to an evaluation, by differences nearer than that") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "crank"
+mass = 0.3
+inertia = 0.001
+position = [0.05, 0]
+[[body]]
+name = "rod"
+mass = 0.4
+inertia = 0.004
+position = [0.25, 0]
+[[joint]]
+type = "revolute"
+name = "pin"
+bodies = ["ground", "crank"]
+point_b = [-0.05, 0]
+[[joint]]
+type = "drive"
+name = "motor"
+joint = "pin"
+table = {times = [0, TIME, 0.25, 1], values = [0, 1.5, 1.7, 4]}
+[[contact]]
+type = "journal"
+name = "hole"
+bodies = ["rod", "crank"]
+centre_a = [-0.15, 0]
+centre_b = [0.05, 0]
+radius_a = 0.01
+radius_b = 0.0105
+mu = 0.1
+)";
+  const MakeScene make = [&](const std::vector<std::string>& sets) {
+    std::string one = text;
+    one.replace(one.find("TIME"), 4, sets.empty() ? "0.10037" : sets[0].substr(sets[0].find('=') + 1));
+    return parse_scene(one, {}, "scene");
+  };
+  check_tangents(make, {{"time", 0.10037, 1e-6}}, {.step = 1e-3, .duration = 0.12}, 1e-6);
+}
