@@ -325,7 +325,7 @@ def test_pytorch_takes_a_vector_of_parameters_and_no_second_derivative():
     ]
     assert np.allclose(torch.autograd.functional.jacobian(run, p), expected, rtol=1e-8)
     (g,) = torch.autograd.grad(run(p)[0], p, create_graph=True)
-    with pytest.raises(RuntimeError, match="once_differentiable"):
+    with pytest.raises(RuntimeError, match="once_differentiable|does not require grad"):  # by PyTorch's version
         torch.autograd.grad(g.sum(), p)
     with pytest.raises(ValueError, match="a vector of 2 numbers"):
         run(p.reshape(1, 2))
