@@ -1,4 +1,4 @@
-"""Tables of contacts and joints beside other programs: of data/contacts.csv, which
+"""Tables of contacts and joints of Orthant and other programs: of data/contacts.csv, which
 `experiments/benchmarks/contacts/contacts.py` writes, into compare_contacts.md. --check: says whether the page has them,
 and writes nothing. Pictures are drawn when the site is built (build.py).
 """

@@ -95,7 +95,7 @@ template <class Space> Index places_of_state(const SystemOf<Space>& system) {
 }
 
 /// The gap's slopes by the pose. They are the normal row but where the gap's point is neither held by the bodies nor
-/// the nearest one: points of a rim beside the lowest one, whose slopes are differences.
+/// the nearest one: points of a rim next to the lowest one, whose slopes are differences.
 template <class Space>
 RowOf<Space> gap_row(const SystemOf<Space>& system, int contact, const KinematicsOf<Space>& at, const State& x) {
   const auto& one = system.scene().contacts[static_cast<std::size_t>(contact)];

@@ -1,6 +1,6 @@
 // tests/support/eigen_assert.h — Eigen's checks of sizes and indices in objects with sanitizers, which have NDEBUG.
 //
-//   (They have it as the tests' objects do: classes of other libraries look different without.)
+//   (They have it as the tests' objects do: code in headers of other libraries must be the same in both.)
 #pragma once
 
 #include <cstdio>

@@ -72,11 +72,11 @@ def judge(name, scene, run, reference):
 
 def several(run):
     """Runs again while it is cheap; the last one, with the median of the seconds."""
-    seconds, told = [], None
+    seconds, measured = [], None
     while not seconds or (len(seconds) < 3 and seconds[-1] < 1) or (len(seconds) < 9 and sum(seconds) < 0.3):
-        told = run()
-        seconds.append(told["seconds"])
-    return told | {"seconds": statistics.median(seconds)}
+        measured = run()
+        seconds.append(measured["seconds"])
+    return measured | {"seconds": statistics.median(seconds)}
 
 
 def one_setting(question, orthant, limit):

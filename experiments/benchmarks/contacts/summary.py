@@ -1,4 +1,4 @@
-"""Tables and pictures of contacts.csv: time to what is achieved, each program beside Orthant."""
+"""Tables and pictures of contacts.csv: time to what is achieved, each program compared with Orthant."""
 import csv
 import math
 

@@ -203,7 +203,7 @@ wall = {normal = [0, 0, 1]}
   check_spatial(spatial_from_text(text), {by_key(text, "contact.floor.e_t", 0)}, {.step = 1e-3, .duration = 0.15});
 }
 
-TEST_CASE("columns of a run in space: gaps of points beside the lowest one of a rim, by differences of poses") {
+TEST_CASE("columns of a run in space: gaps of points next to the lowest one of a rim, by differences of poses") {
   const std::string text = R"(
 dimension = 3
 [[body]]
