@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <stdexcept>
 
 namespace orthant {
@@ -12,6 +13,7 @@ namespace {
 constexpr double kParameterStep = 1e-4;  // of the value
 constexpr double kUnmoved = 1e-9;        // of a direction: its change of a gap
 constexpr double kUnloaded = 1e-9;       // of the normal force: friction that holds against nothing
+constexpr double kTilt = 1e-6;           // of gaps' changes: closer ones are equal
 constexpr double kRounded = 1e-14;       // [m, m/s] of gaps and rates
 constexpr double kOfRadius = 1e-2;       // of the least radius on which a contact's direction turns: differences
 
@@ -168,8 +170,9 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
     from_rest.push_back(begins_from_rest(s.contact, first));
   }
   each([&](VariedDirection& d, auto dq, auto dv) {
-    std::string contacts, opened, sunk, gripped, rising, falling;
+    std::string contacts, opened, sunk, gripped, rising, falling, tilted;
     bool slide = false, rest = false;
+    std::vector<double> gaps;  // their changes
     for (std::size_t i = 0; i < closed.size(); ++i) {
       const Struck& s = closed[i];
       const Eigen::VectorXd from_q = dq, from_v = dv;
@@ -182,6 +185,7 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
       const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
       const double least = kUnmoved * std::max(size, 1e-3) + rounding;
+      gaps.push_back(std::abs(changes[0]) > least ? changes[0] : 0);
       if (changes.lpNorm<Eigen::Infinity>() > least) list(contacts, s.contact);
       if (std::abs(changes[1]) > least) {
         list(changes[1] > 0 ? rising : falling, s.contact);
@@ -192,6 +196,14 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       if (grips[i] != 0) list(gripped, s.contact);
       slide = slide || s.slides != 0;
     }
+    for (std::size_t i = 0; i < closed.size(); ++i) {
+      const auto apart = [&](std::size_t j) {
+        return touch_one_body(closed[i].contact, closed[j].contact) &&
+               std::abs(gaps[i] - gaps[j]) > kTilt * std::abs(gaps[j]);
+      };
+      const auto all = std::views::iota(std::size_t{0}, closed.size());
+      if (from_rest[i] != 0 && std::ranges::any_of(all, apart)) list(tilted, closed[i].contact);
+    }
     const std::string& parameter = names_[static_cast<std::size_t>(&d - directions_.data())];
     const auto of_side = [](bool larger) { return std::string("of ") + (larger ? "larger" : "smaller") + " values"; };
     if (!opened.empty() && !sunk.empty())
@@ -200,6 +212,10 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
     else if (!gripped.empty() && slide)
       none(parameter + " opens contacts that slide, and " + gripped +
            ", which holds at the start: they have derivatives of different sides");
+    else if (!tilted.empty())  // from rest, a fall of δ ends at speeds of the order √δ
+      none(parameter + " opens or closes contacts of one body unequally, and " + tilted +
+           " begins to slide at the start: the fall that closes them tilts the body and may turn its slip, so the "
+           "motion changes by the square root of the change");
     else if (rest && !rising.empty() && !falling.empty())
       none(parameter + " lifts " + rising + " and presses " + falling +
            ", which begin to slide at the start: impacts without a slip stop one of them on either side of the value");
@@ -219,6 +235,12 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       result_.warnings.push_back(parameter + " opens or closes contacts that are closed at the start (" + contacts +
                                  "): the derivative is one-sided, of the side that closes them again at once");
   });
+}
+
+bool MotionVariation::touch_one_body(int one, int other) const {
+  const auto a = bodies_of(system_, {}, one), b = bodies_of(system_, {}, other);
+  const auto touches = [&](BodyId body) { return body >= 0 && (body == b.first || body == b.second); };
+  return touches(a.first) || touches(a.second);
 }
 
 bool MotionVariation::begins_from_rest(int contact, const Arc& first) {

@@ -48,6 +48,9 @@ mu = 0.4
   warns(of(slides, height), "of larger values, where a short flight closes them again");
   warns(of(slides, push), "begin to slide at the start ('c', 'd'): the derivative is one-sided, of larger values");
   CHECK(of(slides, {"body.b.omega", "", "", 0}).none.find("on either side of the value") != std::string::npos);
+  const MotionTrial corner{"contact.d.point", "[0.2, ", "]", -0.15};  // its fall tilts the box, which turns its slips
+  CHECK(of(slides, corner).none.find("square root of the change") != std::string::npos);
+  CHECK(of(holds, corner).none == "");
   CHECK(of(level, push).warnings.empty());
   CHECK(of(holds, push).warnings.empty());
   const std::string damper =

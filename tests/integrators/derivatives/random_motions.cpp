@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include "tests/integrators/derivatives/motion_trials.h"
+#include "tests/support/draws.h"
 
 #include <array>
-#include <random>
 
 using namespace orthant;
 
@@ -16,21 +16,6 @@ namespace {
 struct RandomMotion {
   std::string text;
   std::vector<MotionTrial> keys;
-};
-
-/// Numbers that are the same on every system.
-class Draws {
- public:
-  explicit Draws(unsigned seed) : bits_(seed) {}
-  double between(double low, double high) {
-    const double x = low + (high - low) * static_cast<double>(bits_()) / 4294967296.0;
-    return std::round(1000 * x) / 1000;
-  }
-  bool one_in(unsigned n) { return bits_() % n == 0; }
-  double zero_or(double low, double high) { return one_in(2) ? 0 : between(low, high); }
-
- private:
-  std::mt19937 bits_;
 };
 
 std::string text_of(double x) { return override_text("", x).substr(1); }
