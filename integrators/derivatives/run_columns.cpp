@@ -1,4 +1,5 @@
 #include <orthant/integrators/derivatives/run_columns.h>
+#include <orthant/integrators/derivatives/spatial_row_slope.h>
 
 #include <algorithm>
 #include <cmath>
@@ -103,7 +104,9 @@ RowOf<Space> gap_row(const SystemOf<Space>& system, int contact, const Kinematic
   if constexpr (!kPlanar<Space>) {
     const auto* rim = std::get_if<spatial::RimPlane>(&one);
     if (rim == nullptr || rim->phase == 0) return row;
-    constexpr double kWay = 1e-5;  // [m, rad]: of fourth order
+    const double turning = turning_length(system, contact, at);
+    if (turning == 0) return row;
+    const double way = PoseDifferences::way_of(turning);
     KinematicsOf<Space> there = at;
     Eigen::VectorXd q, step = Eigen::VectorXd::Zero(system.dof());
     const auto differ = [&](BodyId body, typename RowOf<Space>::Entries& entries) {
@@ -111,13 +114,13 @@ RowOf<Space> gap_row(const SystemOf<Space>& system, int contact, const Kinematic
         const Index place = Space::kVelocities * Index{body} + static_cast<Index>(i);
         double sum = 0;
         for (const auto& [k, weight] : {std::pair(-2, 1. / 12), {-1, -8. / 12}, {1, 8. / 12}, {2, -1. / 12}}) {
-          step[place] = k * kWay;
+          step[place] = k * way;
           move<Space>(x.q, step, q);
           set_poses(system, x.t, q, there);
           sum += weight * gap_of(system, {}, contact, there);
         }
         step[place] = 0;
-        entries[i] = sum / kWay;
+        entries[i] = sum / way;
       }
     };
     differ(row.a, row.ja), differ(row.b, row.jb);

@@ -47,7 +47,8 @@ struct RunColumn {
   bool impulse() const { return kind == Kind::normal || kind == Kind::tangent || kind == Kind::across; }
 };
 
-/// A step in which rows are weakly active: only one-sided derivatives exist from here on.
+/// A step in which rows are weakly active: only one-sided derivatives exist from here on. In space also one with a
+/// loaded rim parallel to its plane: a tilt moves its points at once, derivatives by what tilts it do not exist.
 struct DegenerateStep {
   double t = 0;               // [s] its begin
   std::vector<int> contacts;  // of the scene

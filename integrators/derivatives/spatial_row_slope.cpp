@@ -37,34 +37,28 @@ void find_row_slopes(KinematicsOf<Spatial>& at, BodyId a, BodyId b, F&& rows, Sp
       });
 }
 
-spatial::ContactRows plain_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
-  return std::visit([&](const auto& c) { return c.rows(at); },
-                    system.scene().contacts[static_cast<std::size_t>(contact)]);
+constexpr double kFlatRim = 1e-8;  // [rad]: below, differences over a hundredth of it are rounding
+
+const spatial::Contact& contact_of(const SystemOf<Spatial>& system, int contact) {
+  return system.scene().contacts[static_cast<std::size_t>(contact)];
 }
 
-}  // namespace
-
-spatial::Pose PoseDifferences::shifted(const spatial::Pose& pose, int coordinate, double by) {
-  spatial::Pose moved = pose;
-  if (coordinate < 3) {
-    moved.x[coordinate] += by;
-    return moved;
-  }
-  const Vector3d axis = pose.axes.col(coordinate - 3);  // R exp δφ turns the world about R δφ
-  const spatial::Matrix3d turn = Eigen::AngleAxisd(by, axis).toRotationMatrix();
-  moved.axes = turn * pose.axes, moved.R = turn * pose.R;
-  return moved;
+spatial::ContactRows plain_rows(const spatial::Contact& contact, const KinematicsOf<Spatial>& at) {
+  return std::visit([&](const auto& c) { return c.rows(at); }, contact);
 }
 
-Vector3d first_tangent(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
-  return spatial::direction_of(plain_rows(system, contact, at).tangents[0]);
+/// The contact of a rim's point as one of the body.
+spatial::Contact held_point(const spatial::RimPlane& rim, const KinematicsOf<Spatial>& at) {
+  const spatial::Pose& body = at.at(rim.a);
+  const Vector3d centre = rim.rows(at).point + rim.tube * at.at(rim.b).turn(rim.normal) - body.x;
+  return spatial::SpherePlane{rim.name,   rim.a,  body.turn_back(centre), rim.tube, rim.b, rim.plane_point,
+                              rim.normal, rim.law};
 }
 
-SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at,
+SurfaceRows surface_rows(const spatial::Contact& contact, const ContactLaw& law, const KinematicsOf<Spatial>& at,
                          const Vector3d* along) {
   constexpr double kJumps = 0.9;  // cosine between first tangents of which one is not the other's continuation
-  const ContactLaw& law = system.law(contact);
-  spatial::ContactRows c = plain_rows(system, contact, at);
+  spatial::ContactRows c = plain_rows(contact, at);
   const Vector3d n = spatial::direction_of(c.normal);
   Vector3d t = spatial::direction_of(c.tangents[0]);
   if (along != nullptr && t.dot(*along) < kJumps) {
@@ -90,6 +84,51 @@ SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const Kin
   return all;
 }
 
+}  // namespace
+
+double turning_length(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
+  return std::visit(
+      [&](const auto& c) {
+        using Kind = std::remove_cvref_t<decltype(c)>;
+        if constexpr (std::is_same_v<Kind, spatial::RimPlane>) {
+          const double steepness = c.steepness(at);
+          return steepness > kFlatRim ? steepness : 0.;
+        } else if constexpr (std::is_same_v<Kind, spatial::PinBush>) {
+          return c.radius_b - c.radius_a;
+        } else if constexpr (std::is_same_v<Kind, spatial::Socket> || std::is_same_v<Kind, spatial::SphereBush>) {
+          return c.radius_b - c.radius_a - c.gap(at);
+        } else if constexpr (std::is_same_v<Kind, spatial::SphereSphere>) {
+          return c.radius_a + c.radius_b + c.gap(at);
+        } else if constexpr (std::is_same_v<Kind, spatial::EllipsoidPlane>) {
+          return c.semi_axes.minCoeff() * c.semi_axes.minCoeff() / c.semi_axes.maxCoeff();
+        } else {
+          return 1.;
+        }
+      },
+      contact_of(system, contact));
+}
+
+spatial::Pose PoseDifferences::shifted(const spatial::Pose& pose, int coordinate, double by) {
+  spatial::Pose moved = pose;
+  if (coordinate < 3) {
+    moved.x[coordinate] += by;
+    return moved;
+  }
+  const Vector3d axis = pose.axes.col(coordinate - 3);  // R exp δφ turns the world about R δφ
+  const spatial::Matrix3d turn = Eigen::AngleAxisd(by, axis).toRotationMatrix();
+  moved.axes = turn * pose.axes, moved.R = turn * pose.R;
+  return moved;
+}
+
+Vector3d first_tangent(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
+  return spatial::direction_of(plain_rows(contact_of(system, contact), at).tangents[0]);
+}
+
+SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at,
+                         const Vector3d* along) {
+  return surface_rows(contact_of(system, contact), system.law(contact), at, along);
+}
+
 void slopes_of(const spatial::Joint& joint, KinematicsOf<Spatial>& at, SpatialRowSlope* slopes) {
   std::visit(
       [&](const auto& j) {
@@ -107,13 +146,17 @@ void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatia
   const std::size_t used = turns ? n : 3;
   const Vector3d along = first_tangent(system, contact, at);
   const SurfaceRows here = surface_rows(system, contact, at);
+  const ContactLaw& law = system.law(contact);
+  const double turning = turning_length(system, contact, at);
+  const auto* rim = std::get_if<spatial::RimPlane>(&contact_of(system, contact));
+  const spatial::Contact moved = turning > 0 || rim == nullptr ? contact_of(system, contact) : held_point(*rim, at);
   for (auto& slope : slopes.rows) slope.count = 0;
   slopes.belt.clear();
   const auto [a, b] = bodies_of(system, {}, contact);
   PoseDifferences::each(
       at, a, b, used * (kRowEntries + 1),
       [&](const KinematicsOf<Spatial>& k, PoseDifferences::Values& values) {
-        const SurfaceRows there = surface_rows(system, contact, k, &along);
+        const SurfaceRows there = surface_rows(moved, law, k, &along);
         for (std::size_t i = 0; i < used; ++i) {
           put_entries(there.rows[i], values.data() + i * (kRowEntries + 1));
           values[i * (kRowEntries + 1) + kRowEntries] = there.belt[i];
@@ -126,7 +169,8 @@ void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatia
             if (const Eigen::Index of = place_of_entry(here.rows[i], k); of >= 0) slopes.rows[i].add(of, by, of_row[k]);
           if (of_row[kRowEntries] != 0) slopes.belt.push_back({static_cast<Eigen::Index>(i), by, of_row[kRowEntries]});
         }
-      });
+      },
+      turning > 0 ? PoseDifferences::way_of(turning) : PoseDifferences::kStep);
 }
 
 void slope_of(const spatial::Coordinate& coordinate, KinematicsOf<Spatial>& at, SpatialRowSlope& slope) {

@@ -2,12 +2,13 @@
 //
 //   A pose changes by (δx, δφ): x + δx in the world, R exp δφ in the principal axes. These are the six coordinates of a
 //   body in stacked vectors of changes, as velocities are (blocks.h); move() and between() have the same.
-// All slopes are central differences of fourth order over 3e-6 m (rad): a relative error of about 1e-9 at a radius of
-// 1 mm.
+// All slopes are central differences of fourth order over 3e-6 m (rad), or over a hundredth of the way on which a
+// contact's direction turns about, if that is less: a relative error of 1e-8 at the most.
 #pragma once
 
 #include <orthant/integrators/derivatives/row_slope.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -33,6 +34,11 @@ struct SurfaceSlopes {
   std::vector<Slope> belt;  // of the places 0 … 5
 };
 
+/// [m, rad] On a way of this length the direction of a contact turns about: the clearance of a ball in a socket or of a
+/// pin, the distance of two centres, the tilt of a rim. 0: a rim as good as parallel to its plane, on which no lowest
+/// point is found; its points are taken as points of the body.
+double turning_length(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at);
+
 /// Of all rows of a joint, of a contact, of one row. `at` is moved and put back.
 void slopes_of(const spatial::Joint& joint, KinematicsOf<Spatial>& at, RowSlopeOf<Spatial>* slopes);
 void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatial>& at, SurfaceSlopes& slopes);
@@ -43,30 +49,34 @@ void slope_of(const spatial::Coordinate& coordinate, KinematicsOf<Spatial>& at, 
 class PoseDifferences {
  public:
   static constexpr std::size_t kMostValues = 84;
+  static constexpr double kStep = 3e-6;  // [m, rad]
   using Values = std::array<double, kMostValues>;
 
-  template <class F, class Take>
-  static void each(KinematicsOf<Spatial>& at, BodyId a, BodyId b, std::size_t n, F&& f, Take&& take) {
+  /// way: at the most kStep.
+  template <class F, class Take> static void each(KinematicsOf<Spatial>& at, BodyId a, BodyId b, std::size_t n, F&& f,
+                                                  Take&& take, double way = kStep) {
     Values ahead{}, behind{}, far_ahead{}, far_behind{}, slope{};
     for (const BodyId body : {a, b}) {
       if (body < 0) continue;
       spatial::Pose& pose = at.pose[static_cast<std::size_t>(body)];
       const spatial::Pose kept = pose;
       for (int c = 0; c < Spatial::kVelocities; ++c) {
-        pose = shifted(kept, c, kStep), f(at, ahead);
-        pose = shifted(kept, c, -kStep), f(at, behind);
-        pose = shifted(kept, c, 2 * kStep), f(at, far_ahead);
-        pose = shifted(kept, c, -2 * kStep), f(at, far_behind);
+        pose = shifted(kept, c, way), f(at, ahead);
+        pose = shifted(kept, c, -way), f(at, behind);
+        pose = shifted(kept, c, 2 * way), f(at, far_ahead);
+        pose = shifted(kept, c, -2 * way), f(at, far_behind);
         for (std::size_t i = 0; i < n; ++i)
-          slope[i] = (8 * (ahead[i] - behind[i]) - (far_ahead[i] - far_behind[i])) / (12 * kStep);
+          slope[i] = (8 * (ahead[i] - behind[i]) - (far_ahead[i] - far_behind[i])) / (12 * way);
         take(Spatial::kVelocities * static_cast<Eigen::Index>(body) + c, slope);
       }
       pose = kept;
     }
   }
 
+  /// The way of differences for a contact of this turning_length() > 0.
+  static double way_of(double turning) { return std::min(kStep, 1e-2 * turning); }
+
  private:
-  static constexpr double kStep = 3e-6;  // [m, rad]
   static spatial::Pose shifted(const spatial::Pose& pose, int coordinate, double by);
 };
 

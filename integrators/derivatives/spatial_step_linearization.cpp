@@ -242,6 +242,10 @@ void SpatialStepLinearization::find_pattern() {
   sensitivity_.set_up(problem_, solution_);
   if (sensitivity_.redundant()) sharing_ = any_slides() ? Sharing::motion : Sharing::impulses;
   for (const WeaklyActive& row : sensitivity_.weakly_active()) note_degenerate(row.row);
+  for (std::size_t k = 0; k < step_.places.size(); ++k)
+    if (const Index row = step_.places[k].normal;
+        row >= 0 && step_.z[row] > 0 && turning_length(system_, step_.contacts[k], terms_.at) == 0)
+      degenerate_.push_back(step_.contacts[k]);
   std::sort(degenerate_.begin(), degenerate_.end());
   degenerate_.erase(std::unique(degenerate_.begin(), degenerate_.end()), degenerate_.end());
 }

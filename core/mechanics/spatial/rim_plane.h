@@ -29,6 +29,11 @@ struct RimPlane {
   Vector3d plane_point{0, 0, 0}, normal{0, 0, 1};  // [m], unit; in b's frame
   ContactLaw law;
 
+  /// The sine of the angle between the two planes. Tilts of this size [rad] turn d about; 0: d is held by the body.
+  double steepness(const Kinematics& k) const {
+    const double sine = downhill(k.at(a).turn(axis), k.at(b).turn(normal)).norm();
+    return sine > kFlat ? sine : 0;
+  }
   double gap(const Kinematics& k) const {
     const Vector3d n = k.at(b).turn(normal);
     return n.dot(k.at(a).x + point(k, n) - k.at(b).x) - normal.dot(plane_point) - tube;
@@ -39,13 +44,15 @@ struct RimPlane {
   }
 
  private:
+  static constexpr double kFlat = 1e-12;
+  /// In the circle's plane.
+  static Vector3d downhill(const Vector3d& u, const Vector3d& n) { return u.dot(n) * u - n; }
   /// From a's centre, in the world.
   Vector3d point(const Kinematics& k, const Vector3d& n) const {
-    constexpr double kFlat = 1e-12;
     const Vector3d u = k.at(a).turn(axis);
-    Vector3d d = u.dot(n) * u - n;  // down, in the circle's plane
-    const double steepness = d.norm();
-    d = steepness > kFlat ? Vector3d(d / steepness) : k.at(a).turn(perpendicular(axis));
+    Vector3d d = downhill(u, n);
+    const double sine = d.norm();
+    d = sine > kFlat ? Vector3d(d / sine) : k.at(a).turn(perpendicular(axis));
     if (phase != 0) d = std::cos(phase) * d + std::sin(phase) * u.cross(d);
     return k.at(a).turn(centre) + radius * d;
   }

@@ -58,8 +58,8 @@ SpatialMotion random_spatial_motion(unsigned seed) {
   if (shape == "ellipsoid") contact("ellipsoid-wall", "semi_axes = [0.12, 0.08, 0.1]\n");
   if (shape == "box") contact("box-wall", "size = [0.3, 0.24, 0.2]\n");
   if (shape == "cylinder")
-    contact("cylinder-wall", "radius = 0.1\nlength = 0.24\n"), keys.emplace_back("contact.c.radius", 0.1);
-  if (shape == "cone") contact("cone-wall", "radius = 0.1\nheight = 0.4\npoint = [0, 0, -0.1]\n");
+    contact("cylinder-wall", "radius = 0.1\nheight = 0.24\n"), keys.emplace_back("contact.c.radius", 0.1);
+  if (shape == "cone") contact("cone-wall", "radius = 0.1\nheight = 0.4\ncentre = [0, 0, -0.1]\n");
   if (shape == "feet") {
     contact("corner-wall", "point = [0.15, 0, -0.1]\n");
     contact("corner-wall", "point = [-0.1, 0.12, -0.1]\n", "d");
