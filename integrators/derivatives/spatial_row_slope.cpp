@@ -56,13 +56,14 @@ spatial::Contact held_point(const spatial::RimPlane& rim, const KinematicsOf<Spa
 }
 
 SurfaceRows surface_rows(const spatial::Contact& contact, const ContactLaw& law, const KinematicsOf<Spatial>& at,
-                         const Vector3d* along) {
+                         const Vector3d* axis) {
   constexpr double kJumps = 0.9;  // cosine between first tangents of which one is not the other's continuation
   spatial::ContactRows c = plain_rows(contact, at);
   const Vector3d n = spatial::direction_of(c.normal);
   Vector3d t = spatial::direction_of(c.tangents[0]);
-  if (along != nullptr && t.dot(*along) < kJumps) {
-    const Vector3d other = n.cross(t), next = (*along - n.dot(*along) * n).normalized();
+  const Vector3d next = axis == nullptr ? t : Vector3d((*axis - n.dot(*axis) * n).normalized());
+  if (t.dot(next) < kJumps) {
+    const Vector3d other = n.cross(t);
     const double cosine = next.dot(t), sine = next.dot(other);
     const auto [one, two] = c.tangents;
     c.tangents = {combined(scaled(one, cosine), sine, two), combined(scaled(one, -sine), cosine, two)};
@@ -120,13 +121,15 @@ spatial::Pose PoseDifferences::shifted(const spatial::Pose& pose, int coordinate
   return moved;
 }
 
-Vector3d first_tangent(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
-  return spatial::direction_of(plain_rows(contact_of(system, contact), at).tangents[0]);
+Vector3d tangent_axis(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at) {
+  Eigen::Index axis = 0;
+  spatial::direction_of(plain_rows(contact_of(system, contact), at).tangents[0]).maxCoeff(&axis);
+  return Vector3d::Unit(axis);
 }
 
 SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at,
-                         const Vector3d* along) {
-  return surface_rows(contact_of(system, contact), system.law(contact), at, along);
+                         const Vector3d* axis) {
+  return surface_rows(contact_of(system, contact), system.law(contact), at, axis);
 }
 
 void slopes_of(const spatial::Joint& joint, KinematicsOf<Spatial>& at, SpatialRowSlope* slopes) {
@@ -144,7 +147,7 @@ void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatia
   static_assert(n * (kRowEntries + 1) <= PoseDifferences::kMostValues);
   const bool turns = system.law(contact).surface.turns();
   const std::size_t used = turns ? n : 3;
-  const Vector3d along = first_tangent(system, contact, at);
+  const Vector3d axis = tangent_axis(system, contact, at);
   const SurfaceRows here = surface_rows(system, contact, at);
   const ContactLaw& law = system.law(contact);
   const double turning = turning_length(system, contact, at);
@@ -156,7 +159,7 @@ void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatia
   PoseDifferences::each(
       at, a, b, used * (kRowEntries + 1),
       [&](const KinematicsOf<Spatial>& k, PoseDifferences::Values& values) {
-        const SurfaceRows there = surface_rows(moved, law, k, &along);
+        const SurfaceRows there = surface_rows(moved, law, k, &axis);
         for (std::size_t i = 0; i < used; ++i) {
           put_entries(there.rows[i], values.data() + i * (kRowEntries + 1));
           values[i * (kRowEntries + 1) + kRowEntries] = there.belt[i];

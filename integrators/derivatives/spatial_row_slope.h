@@ -22,12 +22,13 @@ struct SurfaceRows {
   std::array<RowOf<Spatial>, kMost> rows;
   std::array<double, kMost> belt{};  // [m/s], [rad/s]
 };
-/// `along`: the first tangent is the direction nearest to it where perpendicular() jumps to another axis; null: never.
+/// `axis`: the first tangent is that of perpendicular() as if its axis were this one, also where it jumps to another;
+/// null: as it is.
 /// Orthotropic friction has its own direction.
 SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at,
-                         const Vector3d* along = nullptr);
-/// t1 of the contact as it is.
-Vector3d first_tangent(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at);
+                         const Vector3d* axis = nullptr);
+/// The coordinate axis that t1 of the contact is nearest to.
+Vector3d tangent_axis(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at);
 
 struct SurfaceSlopes {
   std::array<RowSlopeOf<Spatial>, SurfaceRows::kMost> rows;

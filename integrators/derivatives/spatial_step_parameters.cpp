@@ -60,9 +60,9 @@ void SpatialStepLinearization::contact_parts(const ParameterChangeOf<Spatial>& p
   for (std::size_t k = 0; k < step_.places.size(); ++k) {
     const int contact = step_.contacts[k];
     if (step_.places[k].normal < 0 || !std::ranges::binary_search(parameter.contacts, contact)) continue;
-    const Vector3d along = first_tangent(system_, contact, terms_.at);
+    const Vector3d axis = tangent_axis(system_, contact, terms_.at);
     const auto d = parameter.derivative<kEntries + SurfaceRows::kMost>([&](const System& s, Values& x) {
-      const SurfaceRows there = surface_rows(s, contact, terms_.at, &along);
+      const SurfaceRows there = surface_rows(s, contact, terms_.at, &axis);
       each_row(k, [&](Index row, std::size_t i) {
         const auto entries = entries_of(there.rows[i]);
         for (std::size_t e = 0; e < kEntries; ++e) x[e] += step_.z[row] * entries[e];
