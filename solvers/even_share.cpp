@@ -10,21 +10,22 @@ constexpr int kSteps = 50;
 constexpr double kStill = 1e-14;     // of z
 constexpr double kAccepted = 1e-10;  // of the data, by the judge
 constexpr double kRank = 1e-10;
-constexpr Index kMostNormals = 100;
+constexpr Index kMostRows = 300;
 
 }  // namespace
 
-/// The normals depend on each other.
-bool EvenShare::open(const Lcp& problem, Index normals) {
+/// Rows depend on each other: normals, or the tangents of contacts that stick.
+bool EvenShare::open(const Lcp& problem) {
   const auto* A = std::get_if<DenseMatrix>(&problem.A);
-  if (A == nullptr || normals < 2 || normals > kMostNormals) return false;
+  if (A == nullptr || problem.size() > kMostRows) return false;
   rank_.setThreshold(kRank);
-  rank_.compute(A->topLeftCorner(normals, normals));
-  return rank_.rank() < normals;
+  rank_.compute(*A);
+  return rank_.rank() < problem.size();
 }
 
 bool EvenShare::improve(const Lcp& problem, Index normals, Solver& solver, Solution& s) {
-  if (s.status != Status::solved || !open(problem, normals)) return false;
+  if (s.status != Status::solved || !open(problem)) return false;
+  normals_ = normals;
   const auto& A = std::get<DenseMatrix>(problem.A);
   const Index n = problem.size();
   weight_ = kWeight * A.diagonal().cwiseAbs();
@@ -68,11 +69,10 @@ bool EvenShare::matters(const Lcp& problem, const Solution& s) const {
   }
   Eigen::FullPivLU<Eigen::MatrixXd> decomposition;
   decomposition.setThreshold(kRank);
-  const Index normals = rank_.rows();
-  const Eigen::MatrixXd others = decomposition.compute(A.topLeftCorner(normals, normals)).kernel();
+  const Eigen::MatrixXd others = decomposition.compute(A.topLeftCorner(normals_, normals_)).kernel();
   Eigen::VectorXd change(problem.size());
   for (Index k = 0; k < others.cols(); ++k) {
-    change.setZero(), change.head(normals) = others.col(k);
+    change.setZero(), change.head(normals_) = others.col(k);
     for (const Friction& f : problem.friction)
       for (Index t = 0; t < f.rows; ++t) change[f.first + t] = ratio[f.first + t] * change[f.normal];
     const Eigen::VectorXd by = A * change, all = A.cwiseAbs() * change.cwiseAbs();

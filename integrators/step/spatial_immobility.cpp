@@ -41,6 +41,8 @@ double SpatialImmobility::rate() {
   return rate_of_sum(terms_.joint_rate);
 }
 
+double SpatialImmobility::gap() const { return gap_of(system_, {}, terms_.closed.back().contact, terms_.at); }
+
 bool SpatialImmobility::begin(const TermsOf<Spatial>& terms) {
   sum_.setZero(), sizes_.setZero(), free_ = 0;
   return usable_ = system_.joint_rows() > 0 && basic_.factorize(system_, terms);
@@ -52,11 +54,12 @@ void SpatialImmobility::add(const RowOf<Spatial>& row, double weight) {
   free_ += weight * weight * coupling(row, row, system_.inverse_mass());
 }
 
-bool SpatialImmobility::driven_shut(const TermsOf<Spatial>& terms) {
+std::optional<double> SpatialImmobility::rate_of_immobile(const TermsOf<Spatial>& terms) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(system_.joint_rows());
   load_.resize(none.size());
   basic_.solve(sum_.data(), none.data(), change_.data(), load_.data());
-  return sum_.dot(change_) <= kImmobileShare * free_ && system_.driven() && rate_of_sum(terms.joint_rate) < 0;
+  if (!(sum_.dot(change_) <= kImmobileShare * free_)) return {};
+  return system_.driven() ? rate_of_sum(terms.joint_rate) : 0;
 }
 
 /// [m/s] J v of the combination; 0: rounding of the speeds of its bodies, and of the fastest one.

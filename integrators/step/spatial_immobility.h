@@ -12,6 +12,8 @@
 
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 
+#include <optional>
+
 namespace orthant {
 
 /// effective: J B Jᵀ.
@@ -28,12 +30,16 @@ class SpatialImmobility {
   bool immobile(int contact);
   /// [m/s] of the last contact's normal; 0: no more than rounding.
   double rate();
+  /// [m] of the last contact.
+  double gap() const;
 
   /// A combination of rows at the places of `terms`. False: no joints, or no usable matrix.
   bool begin(const TermsOf<Spatial>& terms);
   void add(const RowOf<Spatial>& row, double weight);
+  /// [m/s] The rate that the joints give the combination, if it is immobile; 0: no more than rounding, or no drives.
+  std::optional<double> rate_of_immobile(const TermsOf<Spatial>& terms);
   /// Whether the combination is immobile, and the joints' drives press it shut.
-  bool driven_shut(const TermsOf<Spatial>& terms);
+  bool driven_shut(const TermsOf<Spatial>& terms) { return rate_of_immobile(terms).value_or(0) < 0; }
 
  private:
   double rate_of_sum(const Eigen::VectorXd& joint_rate);

@@ -1,6 +1,22 @@
 #include <orthant/integrators/step/spatial_rank_deficiency.h>
 
+#include <cmath>
+
 namespace orthant {
+
+/// Of an immobile contact: in the step as a whole, as in the plane (rank_deficiency.cpp).
+bool SpatialRankDeficiency::driven_inwards(const StepProblem::Contact& c) {
+  constexpr double kBent = 0.1;  // of the change of the rate until the middle: what the rate there leaves out
+  if (!system_.driven() || anchor_ == nullptr || c.index >= system_.listed()) return false;
+  if (!immobility_) immobility_.emplace(system_);
+  if (!immobility_->stand(*time_, *anchor_) || !immobility_->immobile(c.index)) return false;
+  const double rate = immobility_->rate(), gap = immobility_->gap();
+  if (!(rate < 0) || !(ahead_ > 0)) return rate < 0;
+  if (!immobility_->begin(*terms_)) return true;
+  immobility_->add(terms_->closed[c.closed].rows.normal, 1);
+  const std::optional<double> middle = immobility_->rate_of_immobile(*terms_);
+  return !middle || gap + ahead_ * *middle < -ahead_ * kBent * std::abs(*middle - rate);
+}
 
 bool SpatialRankDeficiency::find(const StepProblem& problem) {
   if (system_.joint_rows() == 0 || problem.form() == Form::full || problem.no_normal() >= 0) return false;
@@ -15,7 +31,7 @@ bool SpatialRankDeficiency::find(const StepProblem& problem) {
     const bool held = immobile(terms_->closed[c.closed].rows.normal, own, system_.inverse_mass());
     if (!held && !(tangent >= 0 && still(tangent) && still(tangent + 1))) return;
     held_.resize(terms_->closed.size(), Held::nowhere);
-    held_[c.closed] = held ? Held::normal : Held::tangent;
+    held_[c.closed] = !held ? Held::tangent : driven_inwards(c) ? Held::inwards : Held::normal;
   });
   return !held_.empty();
 }

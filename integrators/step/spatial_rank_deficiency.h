@@ -2,8 +2,8 @@
 // immobilise.
 //
 // No impulse moves what joints immobilise (spatial_immobility.h). Such a contact has no rows, and its rates are what
-// the joints make them: where drives move it inwards, the search for jams finds it (jam.h). One of which both tangents
-// are immobile has no friction. Reduced form only, and contact by contact: combinations of contacts are left to the
+// the joints make them; where drives move it inwards the problem has no solution. One of which both tangents are
+// immobile has no friction. Reduced form only, and contact by contact: combinations of contacts are left to the
 // solver (rank_deficiency.h has them for the plane), but for relaxed cones: where a proof has edges of cones and its
 // normals do not contradict the drives, the step stalls.
 #pragma once
@@ -24,7 +24,7 @@ class SpatialRankDeficiency {
   using StepProblem = StepProblemOf<Spatial>;
   SpatialRankDeficiency(const SystemOf<Spatial>& system, Form /*form*/) : system_(system) {}
 
-  void anchor(double t, const Eigen::VectorXd& /*q*/, double /*ahead*/) { time_ = t; }
+  void anchor(double t, const Eigen::VectorXd& q, double ahead) { time_ = t, anchor_ = &q, ahead_ = ahead; }
   std::optional<double> time() const { return time_; }
   void begin(const Terms& terms) { terms_ = &terms, held_.clear(); }
   bool find(const StepProblem& problem);
@@ -36,10 +36,14 @@ class SpatialRankDeficiency {
   bool relaxed() const { return relaxed_; }  // the relaxation of cones alone leaves the problem without a solution
 
  private:
+  bool driven_inwards(const StepProblem::Contact& c);
+
   const SystemOf<Spatial>& system_;
   const Terms* terms_ = nullptr;
   std::optional<double> time_;
-  std::optional<SpatialImmobility> immobility_;  // from the first proof on
+  const Eigen::VectorXd* anchor_ = nullptr;
+  double ahead_ = 0;                             // [s]
+  std::optional<SpatialImmobility> immobility_;  // from the first immobile contact of a driven scene, or proof, on
   std::vector<Held> held_;
   bool relaxed_ = false;
 };

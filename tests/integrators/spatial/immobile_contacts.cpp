@@ -141,6 +141,32 @@ TEST_CASE("in space: a drive that presses an immobile contact shut is reported a
   }
 }
 
+TEST_CASE("in space: a drive that swings a little way through an immobile contact is reported as a jam, too") {
+  constexpr double kSwing = 0.01, kOmega = 10, kGap = 0.99 * kSwing;  // a tenth of a millimetre: far from any length
+  const double due = std::acos(-kGap / kSwing) / kOmega;
+  Draws draws(73);
+  for (int k = 0; k < 3; ++k) {
+    const Turn Q = k == 0 ? Turn::Identity() : random_turn(draws);
+    spatial::Scene scene = driven_height(Q, 0, kGap);
+    scene.joints.clear();
+    scene.bodies[0].position = Q * Vector3d(0, 0, kSwing), scene.bodies[0].velocity = {0, 0, 0};
+    const Vector3d axis = Q * Vector3d(0, 0, 1);
+    scene.joint(spatial::Drive{"height",
+                               spatial::Slide{kGround, 0, {0, 0, 0}, {0, 0, 0}, axis},
+                               {.amplitude = kSwing, .omega = kOmega, .phase = M_PI / 2}});
+    const SpatialSystem system(scene);
+    for (const std::string& integrator : kIntegratorsInSpace) {
+      CAPTURE(k);
+      CAPTURE(integrator);
+      const auto scheme = make_integrator(integrator, system);
+      const Run run = simulate(*scheme, *make_solver("auto"), {.step = 1e-3, .duration = 0.5}, {});
+      CHECK(run.status == Status::infeasible);
+      CHECK(run.why.starts_with("jammed: drive \"height\", contact \"floor\" leave no motion"));
+      CHECK(std::abs(run.final.t - due) < 2e-3);
+    }
+  }
+}
+
 TEST_CASE("in space: relaxed cones that a drive contradicts only through slip stall; a jam stays one") {
   // A jaw comes down on a ball in a wedge: without friction the ball goes out along x.
   const auto wedge = [](double angle, double mu) {
