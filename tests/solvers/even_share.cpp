@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 using namespace orthant;
 
@@ -65,6 +66,34 @@ TEST_CASE("even shares: four corners of a block, in any order") {
   } while (std::ranges::next_permutation(order).found);
   CHECK(off < 1e-10);
   CHECK(off_before > 1e-3);  // a solver's own answers depend on it
+}
+
+TEST_CASE("even shares: three feet that come straight down, and stick, do not pull against each other") {
+  const auto angle = [](int k) { return 0.3 + 2 * M_PI / 3 * k; };
+  Lcp p;
+  Eigen::Matrix<double, 9, 6> J;  // normals, then tangents x, y of each foot
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d r(0.1 * std::cos(angle(k)), 0.1 * std::sin(angle(k)), -0.05);
+    const auto row = [&](int i, const Eigen::Vector3d& d) { J.row(i).head<3>() = d, J.row(i).tail<3>() = r.cross(d); };
+    row(k, {0, 0, 1}), row(3 + 2 * k, {1, 0, 0}), row(4 + 2 * k, {0, 1, 0});
+    p.friction.push_back({.normal = k, .first = 3 + 2 * k, .rows = 2, .mu = 0.5});
+  }
+  const Eigen::Matrix<double, 6, 1> B{1, 1, 1, 100, 100, 50}, v{0, 0, -1, 0, 0, 0};
+  p.A = DenseMatrix(J * B.asDiagonal() * J.transpose());
+  p.b = J * v;
+  p.lo = Eigen::VectorXd::Constant(9, -kInf), p.hi = Eigen::VectorXd::Constant(9, kInf);
+  p.lo.head(3).setZero();
+  const auto solver = make_solver("auto");
+  EvenShare share;
+  Solution s;
+  s.status = Status::solved, s.z = Vector::Zero(9), s.residual = 1e-15;
+  s.z.head(3).setConstant(1. / 3);  // radial pulls in balance, at the bound: a solution, too
+  for (int k = 0; k < 3; ++k) {
+    s.z[3 + 2 * k] = 0.16 * std::cos(angle(k)), s.z[4 + 2 * k] = 0.16 * std::sin(angle(k));
+  }
+  REQUIRE(share.improve(p, 3, *solver, s));
+  CHECK((s.z.head(3).array() - 1. / 3).abs().maxCoeff() < 1e-12);
+  CHECK(s.z.tail(6).lpNorm<Eigen::Infinity>() < 1e-8);
 }
 
 TEST_CASE("even shares: normals that decide leave the answer as it is") {
