@@ -232,7 +232,8 @@ template <class Space> class Court : private SceneRuns<Space> {
     if (off > most) most += friction_left_open(scene_, s.trace, s.figures.size);
     if (off <= most) return Result::solved;
     if (other_impacts(spec)) return Result::solved;
-    if (s.trace.run.motion.energy_off()) return Result::solved;  // and is warned of
+    if (s.trace.run.motion.energy_off()) return Result::solved;       // and is warned of
+    if (s.trace.run.rotation_error > off / 4) return Result::solved;  // the run's own estimate says so
     if (precise(spec) && !others_nearer(r, off)) return Result::solved;
     if (spec == "adaptive" && finer_agrees(r, most)) return Result::solved;
     if (event_driven(spec) && !others_agree(spec, r)) return Result::solved;  // then adaptive is astray, or none is
