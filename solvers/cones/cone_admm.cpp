@@ -15,18 +15,28 @@ constexpr double kSplittingRounding = 1e-10;  // up to which it may lag by kSpli
 }  // namespace
 
 void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
-  form_ = &form, budget_ = budget;
-  symmetric_ = true, factorized_ = false, shift_ = 0;
-  const RowSparse& A = form.A;
-  const Index n = form.size();
+  form_ = &form, budget_ = budget, factorized_ = false;
+  const Delassus* const source = form.source();
+  if (source != nullptr && source->regularization.size() == 0 &&
+      operator_.load(*source, form.rows_of_problem(), form.scale()))
+    factors_ = Factors::coordinates;
+  else
+    load_symmetric();
+}
+
+void ConeSplitting::load_symmetric() {
+  bool symmetric = true;
+  shift_ = 0;
+  const RowSparse& A = form_->A;
+  const Index n = form_->size();
   S_.rows = S_.cols = n;
   S_.start.assign(1, 0), S_.column.clear(), S_.value.clear();
   N_.clear(), diagonal_.clear(), skew_ = 0;
-  for (int i = 0; i < n && symmetric_; ++i) {
+  for (int i = 0; i < n && symmetric; ++i) {
     const auto begin = A.column.begin() + A.start[at(i)], end = A.column.begin() + A.start[at(i) + 1];
     double skew = 0;
-    if (std::lower_bound(begin, end, i) == end || *std::lower_bound(begin, end, i) != i) symmetric_ = false;
-    for (auto j = begin; j != end && symmetric_; ++j) {
+    if (std::lower_bound(begin, end, i) == end || *std::lower_bound(begin, end, i) != i) symmetric = false;
+    for (auto j = begin; j != end && symmetric; ++j) {
       const double value = A.value[at(j - A.column.begin())];
       double mean = value;
       if (*j == i) {
@@ -34,8 +44,8 @@ void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
       } else {
         const auto other = A.column.begin() + A.start[at(*j)], last = A.column.begin() + A.start[at(*j) + 1];
         const auto place = std::lower_bound(other, last, i);
-        symmetric_ = place != last && *place == i;
-        if (!symmetric_) break;
+        symmetric = place != last && *place == i;
+        if (!symmetric) break;
         mean = 0.5 * (value + A.value[at(place - A.column.begin())]);
         if (value != mean) skew += std::abs(value - mean);
         if (value != mean && *j > i) N_.push_back({i, *j, value - mean});
@@ -43,14 +53,16 @@ void ConeSplitting::load(const ConeForm& form, const Budget* budget) {
       S_.column.push_back(*j), S_.value.push_back(mean);
     }
     S_.start.push_back(static_cast<int>(S_.value.size()));
-    symmetric_ = symmetric_ && skew <= kSplittingSkew;
+    symmetric = symmetric && skew <= kSplittingSkew;
     skew_ = std::max(skew_, skew);
   }
-  if (!symmetric_) load_system();
+  factors_ = Factors::rows;
+  if (!symmetric) load_system();
 }
 
 /// E = 0, H = I: the system is A + α I.
 void ConeSplitting::load_system() {
+  factors_ = Factors::unsymmetric;
   system_.load(*form_, budget_);
   for (int c = 0; c < form_->blocks(); ++c) {
     const int m = form_->block(c).rows;
@@ -71,13 +83,14 @@ void ConeSplitting::start(const Vector& z, double rho) {
 }
 
 bool ConeSplitting::factorize() {
-  if (symmetric_) {
-    const double shift = kSplittingEta + rho_;
+  const double shift = kSplittingEta + rho_;
+  if (factors_ == Factors::coordinates) return factorized_ = operator_.factorize(shift, budget_);
+  if (factors_ == Factors::rows) {
     for (const int place : diagonal_) S_.value[at(place)] += shift - shift_;
     shift_ = shift;
     if (factorized_ = cholesky_.factorize(S_, 0, budget_); factorized_) return true;
     if (budget_ != nullptr && budget_->exhausted()) return false;
-    symmetric_ = false, load_system();  // not positive definite
+    load_system();  // not positive definite
   }
   system_.keep_factors(false);
   return factorized_ = true;
@@ -85,7 +98,11 @@ bool ConeSplitting::factorize() {
 
 bool ConeSplitting::solve() {
   if (!factorized_ && !factorize()) return false;
-  if (symmetric_) {
+  if (factors_ == Factors::coordinates) {
+    x_ = rhs_;
+    return operator_.solve(x_);
+  }
+  if (factors_ == Factors::rows) {
     if (!N_.empty()) {
       if (skew_ > kSplittingRounding || steps_ % kSplittingLook == 0) {
         Nx_.resize(x_.size()), Nx_.setZero();

@@ -4,15 +4,17 @@
 //     s = e_n Σ μ_j ‖λ_{T_j}‖  (λ tends to û: −q − A x − s + λ = 0)
 //   in scaled numbers, η = 1e-8. One factorization a penalty ρ. A = S + N, S symmetric: where ‖N‖_∞ ≤ 0.02, S is
 //   factorized (CHOLMOD) and N x taken from the last iteration, a third to a tenth of the time of an LU factorization;
-//   else LU (cone_system.h). Where N is rounding only (1e-10), N x is found every 20 iterations. ρ is multiplied or
-//   divided where the residuals ‖x − y‖, ρ ‖y − y_old‖ differ by more than ten; looked at every 20 iterations.
+//   else LU (cone_system.h). Where N is rounding only (1e-10), N x is found every 20 iterations. Of an operator with
+//   fewer coordinates than rows (bodies with many contacts) the factors are those of the coordinates
+//   (shifted_operator.h). ρ is multiplied or divided where the residuals ‖x − y‖, ρ ‖y − y_old‖ differ by more than ten;
+//   looked at every 20 iterations.
 //   Converges for μ = 0 and A symmetric semidefinite; in practice mostly, to moderate accuracy. A may be unsymmetric.
 //   Source: Carpentier, Le Lidec & Montaut, From compliant to rigid contact simulation (2024); Boyd et al. (2011).
 #pragma once
 
 #include <orthant/solvers/cones/cone_solver.h>
 #include <orthant/solvers/cones/cone_system.h>
-#include <orthant/solvers/linear_algebra/sparse_cholesky.h>
+#include <orthant/solvers/linear_algebra/shifted_operator.h>
 
 namespace orthant {
 
@@ -29,6 +31,7 @@ class ConeSplitting {
   double rho() const { return rho_; }
 
  private:
+  void load_symmetric();
   void load_system();
   bool factorize();
   bool solve();  // x_ ← (A + (η + ρ) I)⁻¹ rhs_
@@ -39,13 +42,16 @@ class ConeSplitting {
   };
   const ConeForm* form_ = nullptr;
   const Budget* budget_ = nullptr;
-  ConeSystem system_;  // where A is not symmetric
+  enum class Factors { coordinates, rows, unsymmetric };
+  Factors factors_ = Factors::rows;
+  ConeSystem system_;  // unsymmetric
+  ShiftedOperator operator_;
   SparseCholesky cholesky_;
   RowSparse S_;
   std::vector<int> diagonal_;  // of S_, places
   std::vector<Entry> N_;       // above the diagonal
   double skew_ = 0;            // ‖N‖_∞
-  bool symmetric_ = false, factorized_ = false;
+  bool factorized_ = false;
   double shift_ = 0;  // on the diagonal of S_
   double rho_ = 0.1, primal_ = 0, dual_ = 0;
   int steps_ = 0;

@@ -22,7 +22,7 @@ bool ConeForm::order(const Lcp& p) {
 
 void ConeForm::load_unformed(const Lcp& p) {
   order(p);
-  operand_ = &std::get<Delassus>(p.A);
+  operand_ = &std::get<Delassus>(p.A), source_ = nullptr;
   q.resize(p.size());
   for (Index i = 0; i < p.size(); ++i) q[i] = d_[row_[at(i)]] * p.b[row_[at(i)]];
   norm_q = q.norm();
@@ -31,7 +31,7 @@ void ConeForm::load_unformed(const Lcp& p) {
 bool ConeForm::load(const Lcp& p) {
   const Index n = p.size();
   const bool in_order = order(p);
-  operand_ = nullptr;
+  operand_ = nullptr, source_ = std::get_if<Delassus>(&p.A);
   place_.resize(at(n));
   for (Index i = 0; i < n; ++i) place_[at(row_[at(i)])] = static_cast<int>(i);
   const RowSparse* const rows = rows_of(p.A, formed_, kFormed);

@@ -26,6 +26,11 @@ class ConeForm {
   void load_unformed(const Lcp& problem);
   bool formed() const { return operand_ == nullptr; }
   const Delassus& operand() const { return *operand_; }
+  /// The operator whose entries were formed; null: there is none, the problem has entries. As long as the problem lives.
+  const Delassus* source() const { return source_; }
+  /// Of the problem, one a row here; D, one a row of the problem.
+  const std::vector<int>& rows_of_problem() const { return row_; }
+  const Vector& scale() const { return d_; }
 
   Index size() const { return q.size(); }
   int blocks() const { return all_.size(); }
@@ -53,7 +58,7 @@ class ConeForm {
  private:
   bool order(const Lcp& problem);
   cones::Blocks all_;
-  const Delassus* operand_ = nullptr;
+  const Delassus *operand_ = nullptr, *source_ = nullptr;
   std::vector<int> row_, of_;  // of the problem, per row here; the block
   Vector d_;                   // per row of the problem
   // Scratch: per row of the problem, its row here; an operator's entries; a row.
