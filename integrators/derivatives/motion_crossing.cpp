@@ -191,8 +191,13 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
   check_reset(crossing, after);
   std::vector<Struck> falls_back;  // where e = 0 and is varied: short flights, which end as the impact itself does
   for (const Struck& s : crossing.struck)
-    if (after.modes[static_cast<std::size_t>(s.contact)].lasting && system_.law(s.contact).e == 0)
-      falls_back.push_back(s), falls_back.back().plastic = true;
+    if (const ContactMode& mode = after.modes[static_cast<std::size_t>(s.contact)];
+        mode.lasting && system_.law(s.contact).e == 0) {
+      falls_back.push_back(s);
+      Struck& last = falls_back.back();
+      last.plastic = true;
+      if (mode.slip != 0) last.sticks = false, last.slides = mode.slip > 0 ? -1 : 1;  // as e_T has left it
+    }
   const EventKind kind = crossing.kind != Guard::gap ? EventKind::slip
                          : crossing.plastic          ? EventKind::accumulation
                                                      : EventKind::impact;

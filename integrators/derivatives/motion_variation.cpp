@@ -161,7 +161,13 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
   const bool damped = std::ranges::any_of(system_.scene().springs, [](const Spring& spring) {
     return std::visit([](const auto& s) { return s.damping != 0; }, spring);
   });
+  const std::vector<ContactMode> open(first.modes.size());
+  std::vector<double> falls;  // [m/s²] of the gaps, all of them open
+  Eigen::VectorXd free(first.a0.size());
   for (const Struck& s : closed) {
+    base_.set_modes(open);
+    base_.accelerations(t, first.q0, first.v0, free);
+    falls.push_back(base_.gap_acceleration(s.contact, t, first.q0, first.v0, free));
     const ContactMode& mode = first.modes[static_cast<std::size_t>(s.contact)];
     base_.set_modes(first.modes);
     grips.push_back(mode.lasting && mode.sticks &&
@@ -199,14 +205,18 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
     for (std::size_t i = 0; i < closed.size(); ++i) {
       const auto apart = [&](std::size_t j) {
         return touch_one_body(closed[i].contact, closed[j].contact) &&
-               std::abs(gaps[i] - gaps[j]) > kTilt * std::abs(gaps[j]);
+               std::abs(gaps[i] * falls[j] - gaps[j] * falls[i]) >
+                   kTilt * (std::abs(gaps[i] * falls[j]) + std::abs(gaps[j] * falls[i]));
       };
       const auto all = std::views::iota(std::size_t{0}, closed.size());
       if (from_rest[i] != 0 && std::ranges::any_of(all, apart)) list(tilted, closed[i].contact);
     }
     const std::string& parameter = names_[static_cast<std::size_t>(&d - directions_.data())];
     const auto of_side = [](bool larger) { return std::string("of ") + (larger ? "larger" : "smaller") + " values"; };
-    if (!opened.empty() && !sunk.empty())
+    if (parts_redundant(closed, gaps))
+      none(parameter + " opens or closes contacts that depend on each other (" + contacts +
+           ") so that not all of them stay closed: which ones do is another matter on either side of the value");
+    else if (!opened.empty() && !sunk.empty())
       none(parameter + " opens " + opened + " and sinks " + sunk +
            ", which are closed at the start: one of them overlaps on either side of the value");
     else if (!gripped.empty() && slide)
@@ -235,6 +245,15 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       result_.warnings.push_back(parameter + " opens or closes contacts that are closed at the start (" + contacts +
                                  "): the derivative is one-sided, of the side that closes them again at once");
   });
+}
+
+/// No motion closes all gaps again.
+bool MotionVariation::parts_redundant(const std::vector<Struck>& closed, const std::vector<double>& gaps) {
+  const Eigen::Map<const Eigen::VectorXd> change(gaps.data(), std::ssize(gaps));
+  if (change.isZero(0) || gaps.size() < 2) return false;
+  const Eigen::MatrixXd A = base_.coupling(closed, before_.start, before_.q1);
+  const Eigen::VectorXd pushes = A.completeOrthogonalDecomposition().solve(change);
+  return (A * pushes - change).lpNorm<Eigen::Infinity>() > kTilt * change.lpNorm<Eigen::Infinity>();
 }
 
 bool MotionVariation::touch_one_body(int one, int other) const {

@@ -102,6 +102,7 @@ class MotionVariation {
   void start(const Arc& first);
   void follow(const Arc& arc);
   void note_one_sided(const std::vector<Struck>& closed, const Arc& first);
+  bool parts_redundant(const std::vector<Struck>& closed, const std::vector<double>& gaps);
   bool touch_one_body(int one, int other) const;  // two contacts
   bool begins_from_rest(int contact, const Arc& first);
   void note_first_slips(const Arc& first);

@@ -130,6 +130,18 @@ void NearbyMotion::add_push(const Row& row) {
   motion_.basic().solve_row(row, push_.rightCols(1).data());
 }
 
+Eigen::MatrixXd NearbyMotion::coupling(std::span<const Struck> contacts, double t, const Eigen::VectorXd& q) {
+  v_end_.setZero(q.size());
+  motion_.accelerations(t, q, v_end_, a_);  // factorizes
+  push_.resize(q.size(), 0);
+  for (const Struck& s : contacts) add_push(rows(s.contact, t, q).normal);
+  Eigen::MatrixXd A(push_.cols(), push_.cols());
+  for (Eigen::Index i = 0; i < A.rows(); ++i)
+    for (Eigen::Index j = 0; j < A.cols(); ++j)
+      A(i, j) = apply(rows(contacts[static_cast<std::size_t>(i)].contact, t, q).normal, push_.col(j).data());
+  return A;
+}
+
 void NearbyMotion::touch(const std::vector<Struck>& struck, double t, Eigen::VectorXd& q) {
   constexpr int kPasses = 3;
   for (int pass = 0; pass < kPasses; ++pass) {

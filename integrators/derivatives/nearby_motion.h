@@ -35,6 +35,8 @@ class NearbyMotion {
   /// Their rates of change along (v, a): [m/s], [m/s²].
   double gap_rate(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   double slip_rate(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
+  /// J B Jᵀ of the contacts' normals, B the inverse mass with joints.
+  Eigen::MatrixXd coupling(std::span<const Struck> contacts, double t, const Eigen::VectorXd& q);
   double gap_acceleration(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                           const Eigen::VectorXd& a);
   Eigen::VectorXd tangent_push(int contact, double t, const Eigen::VectorXd& q);  // W_Tᵀ

@@ -37,7 +37,22 @@ class MovedFactor {
   std::vector<double> own_, knots_;
 };
 
-/// The scene at value + k step, its loads' breakpoints where `base` has them.
+/// The directions across axes of joints are those of `base`, turned along: perpendicular() jumps where two coordinates of
+/// an axis are alike.
+void keep_across(const Scene& /*base*/, Scene& /*scene*/) {}
+void keep_across(const spatial::Scene& base, spatial::Scene& scene) {
+  for (std::size_t i = 0; i < scene.joints.size() && i < base.joints.size(); ++i)
+    std::visit(
+        [&](auto& j) {
+          const auto* own = std::get_if<std::remove_cvref_t<decltype(j)>>(&base.joints[i]);
+          if constexpr (requires { j.across; })
+            if (const Vector3d axis = spatial::axis_of(j).normalized(); own != nullptr)
+              j.across = (own->across - axis.dot(own->across) * axis).normalized();
+        },
+        scene.joints[i]);
+}
+
+/// The scene at value + k step, its loads' breakpoints and its joints' directions where `base` has them.
 template <class Space> std::unique_ptr<SystemOf<Space>> system_at(const RunParameterOf<Space>& parameter, double value,
                                                                   const SceneOf<Space>& base) {
   SceneOf<Space> scene = parameter.scene(value);
@@ -47,6 +62,7 @@ template <class Space> std::unique_ptr<SystemOf<Space>> system_at(const RunParam
     if (!load.factor || load.breakpoints.size() != knots.size() || load.breakpoints == knots) continue;
     load.factor = MovedFactor(load, knots), load.breakpoints = knots;
   }
+  keep_across(base, scene);
   return std::make_unique<SystemOf<Space>>(std::move(scene));
 }
 

@@ -32,12 +32,7 @@ void SpatialStepTrace::take(const MoreauJeanOf<Spatial>& integrator, const State
     contacts.push_back(integrator.closed()[k].contact);
     places.push_back({formulation.normal_row(k), formulation.tangent_row(k)});
   }
-  formulation.step_problem().each_contact([&](Index normal, Index, Index, const auto& c) {
-    const bool wanted = c.law->e > 0 || c.law->e_t > 0;
-    for (Place& place : places)
-      if (place.normal == normal)
-        place.inelastic = wanted && c.elastic == 0 && c.elastic_along == decltype(c.elastic_along){};
-  });
+  for (Place& place : places) place.inelastic = formulation.step_problem().dropped_restitution();
   for (const Friction& f : friction) {
     const auto k = static_cast<std::size_t>(
         std::ranges::find_if(places, [&](const Place& p) { return p.normal == f.normal; }) - places.begin());

@@ -35,12 +35,7 @@ void StepTrace::take(const MoreauJean& integrator, const State& x, double durati
     contacts.push_back(integrator.closed()[k].contact);
     places.push_back({formulation.normal_row(k), formulation.tangent_row(k), false});
   }
-  formulation.step_problem().each_contact([&](Index normal, Index, Index, const auto& c) {
-    const bool wanted = c.law->e > 0 || c.law->e_t > 0;
-    for (Place& place : places)
-      if (place.normal == normal)
-        place.inelastic = wanted && c.elastic == 0 && c.elastic_along == decltype(c.elastic_along){};
-  });
+  for (Place& place : places) place.inelastic = formulation.step_problem().dropped_restitution();
   for (const Friction& f : problem.friction)
     for (std::size_t k = 0; k < places.size(); ++k)
       if (places[k].tangent == f.first) mu_of.emplace_back(contacts[k], f.mu != system.law(contacts[k]).mu);

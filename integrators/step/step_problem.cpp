@@ -215,6 +215,7 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Rat
                                                            const Eigen::VectorXd& v_free,
                                                            const Eigen::VectorXd& joint_rate) {
   lcp_.b.resize(static_cast<Index>(rows_.size()));
+  dropped_ = false;
   Index i = 0;
   const auto hold_against = [&](double target) {
     lcp_.b[i] = apply(rows_[static_cast<std::size_t>(i)], v_free.data()) - target;
@@ -256,6 +257,7 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Rat
 
 template <class Space> bool StepProblemOf<Space>::drop_restitution() {
   bool any = false;
+  dropped_ = true;
   Index i = joint_rows();
   for (Contact& c : contacts_) {
     any = any || c.elastic > 0 || c.elastic_along != Tangent<Space>{};

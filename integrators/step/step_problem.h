@@ -75,6 +75,7 @@ template <class Space> class StepProblemOf {
   void clear_rows() { rows_.clear(), contacts_.clear(), clear(), no_normal_ = -1; }
   /// Contacts are held against e = e_T = 0, and what overlaps need not come apart. False: so they were.
   bool drop_restitution();
+  bool dropped_restitution() const { return dropped_; }  // since the last retarget()
   /// b of row i grows by `by`.
   void give(Index i, double by) { lcp_.b[i] += by; }
   /// Where static friction exceeds kinetic: kinetic for contacts that static friction did not hold, static for those
@@ -148,6 +149,7 @@ template <class Space> class StepProblemOf {
   mutable Lcp lcp_;  // its A only where formed_
   StepMatrixOf<Space> matrix_;
   mutable bool formed_ = false;
+  bool dropped_ = false;
 };
 extern template class StepProblemOf<Planar>;
 extern template class StepProblemOf<Spatial>;

@@ -28,7 +28,10 @@ void prepare(spatial::Scene& scene, Examined examined) {
   for (spatial::Joint& joint : scene.joints)
     std::visit(
         [](auto& j) {
-          if constexpr (requires { j.across; }) j.across = spatial::perpendicular(j.axis_a);
+          if constexpr (requires { j.across; }) {
+            const Vector3d& axis = spatial::axis_of(j);
+            if (!spatial::square_to(axis, j.across)) j.across = spatial::perpendicular(axis);
+          }
         },
         joint);
   for (spatial::Collision& collision : scene.collisions) spatial::set_hulls(collision);

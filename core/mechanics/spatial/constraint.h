@@ -80,6 +80,19 @@ struct Parallel {
   }
 };
 
+/// Of a joint with an `across`.
+template <class Joint> const Vector3d& axis_of(const Joint& joint) {
+  if constexpr (requires { joint.axis_a; })
+    return joint.axis_a;
+  else
+    return joint.axis;
+}
+/// A unit vector at right angles to the unit vector `axis`, up to rounding.
+inline bool square_to(const Vector3d& axis, const Vector3d& t) {
+  constexpr double kRounding = 1e-14;
+  return std::abs(t.squaredNorm() - 1) <= kRounding && std::abs(t.dot(axis)) <= kRounding;
+}
+
 template <class Joint> void residual_of(const Joint& joint, const Kinematics& k, double* phi) {
   joint.each([&](const auto& equation) { equation.residual(k, phi), phi += equation.kRows; });
 }
@@ -90,10 +103,10 @@ template <class Joint> void bias_of(const Joint& joint, const Kinematics& k, dou
   joint.each([&](const auto& equation) { equation.bias(k, Gdot_v), Gdot_v += equation.kRows; });
 }
 
-/// The two equations that keep P_b on the line through P_a along the axis of a.
-template <class F>
-void on_line(BodyId a, BodyId b, const Vector3d& point_a, const Vector3d& point_b, const Vector3d& axis, F&& f) {
-  const Vector3d t = perpendicular(axis);
+/// The two equations that keep P_b on the line through P_a along the axis of a. across: as Parallel's.
+template <class F> void on_line(BodyId a, BodyId b, const Vector3d& point_a, const Vector3d& point_b,
+                                const Vector3d& axis, const Vector3d& across, F&& f) {
+  const Vector3d t = across.isZero(0) ? perpendicular(axis) : across;
   f(Across{{a, b, point_a, point_b, t}}), f(Across{{a, b, point_a, point_b, axis.cross(t)}});
 }
 /// The three equations that keep R_b = R_a O; orientation: quaternion of O, b's frame → a's.

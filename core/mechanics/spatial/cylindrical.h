@@ -18,7 +18,7 @@ struct Cylindrical {
   Vector3d across{0, 0, 0};                             // perpendicular(axis_a); set by System
 
   template <class F> void each(F&& f) const {
-    on_line(a, b, point_a, point_b, axis_a, f);
+    on_line(a, b, point_a, point_b, axis_a, across, f);
     f(Parallel{a, b, axis_a, axis_b, across});
   }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }

@@ -14,8 +14,9 @@ struct PointOnLine {
   BodyId a = kGround, b = kGround;
   Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};  // [m] in the bodies' frames
   Vector3d axis{1, 0, 0};                       // unit vector of the line, in a's frame
+  Vector3d across{0, 0, 0};                     // perpendicular(axis); set by System
 
-  template <class F> void each(F&& f) const { on_line(a, b, point_a, point_b, axis, f); }
+  template <class F> void each(F&& f) const { on_line(a, b, point_a, point_b, axis, across, f); }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
   void rows(const Kinematics& k, Row* G) const { rows_of(*this, k, G); }
   void bias(const Kinematics& k, double* Gdot_v) const { bias_of(*this, k, Gdot_v); }

@@ -16,9 +16,10 @@ struct Prismatic {
   Vector3d point_a{0, 0, 0}, point_b{0, 0, 0};  // [m] in the bodies' frames
   Vector3d axis{1, 0, 0};                       // unit vector in a's frame
   Eigen::Vector4d orientation{1, 0, 0, 0};      // quaternion (w, x, y, z), b's frame → a's
+  Vector3d across{0, 0, 0};                     // perpendicular(axis); set by System
 
   template <class F> void each(F&& f) const {
-    on_line(a, b, point_a, point_b, axis, f);
+    on_line(a, b, point_a, point_b, axis, across, f);
     one_orientation(a, b, orientation, f);
   }
   void residual(const Kinematics& k, double* phi) const { residual_of(*this, k, phi); }
