@@ -14,6 +14,7 @@ constexpr double kParameterStep = 1e-4;  // of the value
 constexpr double kUnmoved = 1e-9;        // of a direction: its change of a gap
 constexpr double kUnloaded = 1e-9;       // of the normal force: friction that holds against nothing
 constexpr double kTilt = 1e-6;           // of gaps' changes: closer ones are equal
+constexpr double kTouches = 1e-12;       // [m, m/s] and of the places: gaps and rates of contacts that touch
 constexpr double kRounded = 1e-14;       // [m, m/s] of gaps and rates
 constexpr double kOfRadius = 1e-2;       // of the least radius on which a contact's direction turns: differences
 
@@ -175,22 +176,30 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
                         kUnloaded * std::abs(base_.normal_force(s.contact, t, first.q0, first.v0)));
     from_rest.push_back(begins_from_rest(s.contact, first));
   }
+  std::vector<Struck> touching = closed;  // and those that others relieve of their load
+  for (int c = 0; c < system_.contacts(); ++c)
+    if (std::ranges::none_of(closed, [c](const Struck& s) { return s.contact == c; }) &&
+        std::abs(base_.gap(c, t, before_.q1)) <= kTouches * (1 + base_.gap_scale(c, t, before_.q1)) &&
+        std::abs(base_.gap_rate(c, t, first.q0, first.v0)) <= kTouches * (1 + first.v0.lpNorm<Eigen::Infinity>()))
+      touching.push_back({c, false, 0, false});
   each([&](VariedDirection& d, auto dq, auto dv) {
     std::string contacts, opened, sunk, gripped, rising, falling, tilted;
     bool slide = false, rest = false;
     std::vector<double> gaps;  // their changes
+    const Eigen::VectorXd from_q = dq, from_v = dv;
+    const double size = std::max(from_q.lpNorm<Eigen::Infinity>(), from_v.lpNorm<Eigen::Infinity>());
+    const double least = kUnmoved * std::max(size, 1e-3) + (d.change.of_scene() ? kRounded / d.change.step : 0);
+    const auto changes_of = [&](const Struck& s) {
+      return d.derivative(before_.q1, before_.v1, from_q, from_v,
+                          [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+                            near.set_modes(before_.modes);
+                            return Eigen::Vector2d(near.gap(s.contact, t, q),
+                                                   s.plastic ? near.gap_rate(s.contact, t, q, v) : 0);
+                          });
+    };
     for (std::size_t i = 0; i < closed.size(); ++i) {
       const Struck& s = closed[i];
-      const Eigen::VectorXd from_q = dq, from_v = dv;
-      const Eigen::VectorXd changes = d.derivative(
-          before_.q1, before_.v1, from_q, from_v,
-          [&](NearbyMotion& near, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-            near.set_modes(before_.modes);
-            return Eigen::Vector2d(near.gap(s.contact, t, q), s.plastic ? near.gap_rate(s.contact, t, q, v) : 0);
-          });
-      const double size = std::max(dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>());
-      const double rounding = d.change.of_scene() ? kRounded / d.change.step : 0;
-      const double least = kUnmoved * std::max(size, 1e-3) + rounding;
+      const Eigen::VectorXd changes = changes_of(s);
       gaps.push_back(std::abs(changes[0]) > least ? changes[0] : 0);
       if (changes.lpNorm<Eigen::Infinity>() > least) list(contacts, s.contact);
       if (std::abs(changes[1]) > least) {
@@ -211,9 +220,14 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       const auto all = std::views::iota(std::size_t{0}, closed.size());
       if (from_rest[i] != 0 && std::ranges::any_of(all, apart)) list(tilted, closed[i].contact);
     }
+    for (std::size_t i = closed.size(); i < touching.size(); ++i) {
+      const double change = changes_of(touching[i])[0];
+      gaps.push_back(std::abs(change) > least ? change : 0);
+      if (gaps.back() != 0) list(contacts, touching[i].contact);
+    }
     const std::string& parameter = names_[static_cast<std::size_t>(&d - directions_.data())];
     const auto of_side = [](bool larger) { return std::string("of ") + (larger ? "larger" : "smaller") + " values"; };
-    if (parts_redundant(closed, gaps))
+    if (parts_redundant(touching, gaps))
       none(parameter + " opens or closes contacts that depend on each other (" + contacts +
            ") so that not all of them stay closed: which ones do is another matter on either side of the value");
     else if (!opened.empty() && !sunk.empty())

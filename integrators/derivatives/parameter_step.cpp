@@ -162,6 +162,19 @@ double clearance_of(const spatial::Contact& contact) {
   return 0;
 }
 
+/// [m] From b's centre to a's, in the world, of such a contact.
+template <class Space>
+typename Space::Vector offset_of(const typename ElementsOf<Space>::Contact& contact, const KinematicsOf<Space>& at) {
+  return std::visit(
+      [&](const auto& c) -> typename Space::Vector {
+        if constexpr (requires { c.centre_a, c.centre_b; })
+          return at.at(c.a).x + at.at(c.a).turn(c.centre_a) - at.at(c.b).x - at.at(c.b).turn(c.centre_b);
+        else
+          return Space::Vector::Zero();
+      },
+      contact);
+}
+
 /// all: also contacts that may be those of another corner at values nearby.
 template <class Space, class Samples> void take_all(const ParameterChangeOf<Space>& change,
                                                     const SystemOf<Space>& system, double duration, bool all,
@@ -185,9 +198,11 @@ template <class Space, class Samples> void take_all(const ParameterChangeOf<Spac
     const auto [a, b] = std::visit([](const auto& c) { return bodies_of(c); }, contact);
     for (const double side : {1.0, -1.0}) {  // near the surface
       Eigen::VectorXd away = Eigen::VectorXd::Zero(system.dof()), q;
-      const Eigen::Index first = Space::kVelocities * (a >= 0 ? a : b);
-      away[first] = side * 0.6 * clearance, away[first + 1] = side * 0.8 * clearance;
-      if constexpr (!kPlanar<Space>) away[first + 2] = side * 0.3 * clearance;
+      set_poses(system, start.t, start.q, at);
+      typename Space::Vector to = -offset_of<Space>(contact, at);  // wherever the start has them
+      to[0] += side * 0.6 * clearance, to[1] += side * 0.8 * clearance;
+      if constexpr (!kPlanar<Space>) to[2] += side * 0.3 * clearance;
+      away.segment(Space::kVelocities * (a >= 0 ? a : b), to.size()) = a >= 0 ? to : -to;
       move<Space>(start.q, away, q);
       set_poses(system, start.t, q, at);
       samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
