@@ -213,14 +213,19 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
     crossed.moves.push_back(moves);
     const double from = std::max({guard, dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>()});
     const Eigen::VectorXd from_q = dq + moves * before_.v1, from_v = dv + moves * before_.a1;
+    double missed = 0;
     map(d, before_.q1, before_.v1, from_q, from_v, dq, dv,
         [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
           near.set_modes(before_.modes);
-          if (!crossing.struck.empty()) near.strike(crossing.struck, now(), q, v);
+          if (!crossing.struck.empty()) missed = std::max(missed, near.strike(crossing.struck, now(), q, v));
           if (!falls_back.empty()) near.strike(falls_back, now(), q, v);
           near.set_modes(after.modes);
           near.project(now(), q, v);
         });
+    if (parts_struck(d, from_q, from_v, missed))
+      none(names_[static_cast<std::size_t>(&d - directions_.data())] +
+           " parts contacts that strike at once and stick (" + names_of(crossing.struck) +
+           "): which of them slides is another matter on either side of the value");
     dq -= moves * after.v0, dv -= moves * after.a0;
     if (from > 0) most = std::max(most, std::abs(moves) * jump / from);
   });
@@ -235,6 +240,14 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
                                detail::text_of(rate[0]) + ", nearly a graze: derivatives grow there by a factor of " +
                                detail::text_of(most) + ", and so do their errors");
   for (const Struck& s : crossing.struck) struck_at_[static_cast<std::size_t>(s.contact)] = now();
+}
+
+/// missed: [m/s] what nearby impacts leave of their rates, of contacts that depend on each other here.
+bool MotionVariation::parts_struck(const VariedDirection& d, const Eigen::VectorXd& dq, const Eigen::VectorXd& dv,
+                                   double missed) const {
+  constexpr double kParts = 1e-5, kOfSpeed = 1e-12;  // of the change; rounding
+  const double step = d.moved(dq, dv, before_.v1), speed = 1 + before_.v1.lpNorm<Eigen::Infinity>();
+  return missed > kParts * step * std::max(1e-3, dv.lpNorm<Eigen::Infinity>()) + kOfSpeed * speed;
 }
 
 void MotionVariation::check_reset(const Crossing& crossing, const Arc& after) {

@@ -316,6 +316,12 @@ void MotionVariation::list(std::string& names, int contact) const {
   names += (names.empty() ? "" : ", ") + name(contact);
 }
 
+std::string MotionVariation::names_of(const std::vector<Struck>& contacts) const {
+  std::string names;
+  for (const Struck& s : contacts) list(names, s.contact);
+  return names;
+}
+
 void MotionVariation::none(const std::string& why) {
   if (result_.none.empty()) result_.none = "at t = " + detail::text_of(now()) + " s " + why;
 }

@@ -165,7 +165,7 @@ void NearbyMotion::touch(const std::vector<Struck>& struck, double t, Eigen::Vec
   }
 }
 
-void NearbyMotion::strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v) {
+double NearbyMotion::strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v) {
   motion_.accelerations(t, q, v, a_);  // factorizes
   std::vector<Row> wanted;
   std::vector<double> target;
@@ -191,7 +191,9 @@ void NearbyMotion::strike(const std::vector<Struck>& struck, double t, const Eig
     b[i] = target[static_cast<std::size_t>(i)] - apply(row, v.data());
     for (Eigen::Index j = 0; j < n; ++j) A(i, j) = apply(row, push_.col(j).data());
   }
-  v += push_ * A.completeOrthogonalDecomposition().solve(b);  // tangents of one body may depend on each other
+  const Eigen::VectorXd impulses = A.completeOrthogonalDecomposition().solve(b);  // tangents of one body may depend
+  v += push_ * impulses;
+  return (A * impulses - b).lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace orthant
