@@ -199,10 +199,10 @@ template <class Space, class Samples> void take_all(const ParameterChangeOf<Spac
     for (const double side : {1.0, -1.0}) {  // near the surface
       Eigen::VectorXd away = Eigen::VectorXd::Zero(system.dof()), q;
       set_poses(system, start.t, start.q, at);
-      typename Space::Vector to = -offset_of<Space>(contact, at);  // wherever the start has them
-      to[0] += side * 0.6 * clearance, to[1] += side * 0.8 * clearance;
-      if constexpr (!kPlanar<Space>) to[2] += side * 0.3 * clearance;
-      away.segment(Space::kVelocities * (a >= 0 ? a : b), to.size()) = a >= 0 ? to : -to;
+      typename Space::Vector way = -offset_of<Space>(contact, at);  // wherever the start has them
+      way[0] += side * 0.6 * clearance, way[1] += side * 0.8 * clearance;
+      if constexpr (!kPlanar<Space>) way[2] += side * 0.3 * clearance;
+      away.segment(Space::kVelocities * (a >= 0 ? a : b), way.size()) = a >= 0 ? way : -way;
       move<Space>(start.q, away, q);
       set_poses(system, start.t, q, at);
       samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
