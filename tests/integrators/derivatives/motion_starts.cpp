@@ -59,6 +59,42 @@ mu = 0.4
   CHECK(of(slides + damper, push).none == "");
 }
 
+TEST_CASE("tangent of a motion: falls that turn a body, and contacts of which not all stay closed, are refused") {
+  const auto solver = make_solver("auto");
+  const auto none_of = [&](const std::string& text, const MotionTrial& trial, double duration) {
+    return differentiate_motion(System(from_text(text)({})), parameters_of(text, {trial}), {}, *solver, duration).none;
+  };
+  const auto corner = [](const std::string& name, double x, const std::string& more) {
+    return "[[contact]]\nname = \"" + name + "\"\ntype = \"corner-wall\"\nbody = \"b\"\npoint = [" + std::to_string(x) +
+           ", -0.1]\n" + more;
+  };
+  const std::string box = "[[body]]\nname = \"b\"\nmass = 1.2\ninertia = 0.02\n";
+  const std::string floor = "wall = {normal = [0, 1]}\n";
+  // A load beside the centre turns the box as it falls from rest.
+  const std::string sliding = "gravity = [3, -9.81]\n" + box + "position = [0, 0.1]\n" +
+                              corner("c", -0.15, floor + "mu = 0.2\n") + corner("d", 0.15, floor + "mu = 0.2\n");
+  const std::string beside = sliding + "[[load]]\nname = \"l\"\nbody = \"b\"\npoint = [0.05, 0]\nforce = [0, -2]\n";
+  const MotionTrial height{"body.b.position", "[0, ", "]", 0.1};
+  CHECK(none_of(sliding, height, 0.05) == "");
+  CHECK(none_of(beside, height, 0.05).find("square root of the change") != std::string::npos);
+  // Three corners on one plane, of which one has no load.
+  const std::string three = "gravity = [0, -9.81]\n" + box + "position = [0, 0.1]\n" + corner("c", -0.15, floor) +
+                            corner("d", 0.15, floor) + corner("e", 0.02, floor);
+  for (const auto& [name, x] : {std::pair{"c", "-0.150000"}, {"d", "0.150000"}, {"e", "0.020000"}})
+    CHECK(none_of(three, {std::string("contact.") + name + ".point", std::string("[") + x + ", ", "]", -0.1}, 0.05)
+              .find("depend on each other") != std::string::npos);
+  CHECK(none_of(three, height, 0.05) == "");
+  // Both corners of a tilted box stop as one strikes: another direction of one wall lets one of them slide.
+  const std::string wall = "wall = {normal = [-0.09983341664682815, 0.9950041652780258]}\nmu = 0.05\ne_n = 0.3\n";
+  const std::string tilted = "gravity = [0, -9.81]\n" + box +
+                             "position = [-0.0159593373075954, 0.15906104017565884]\nangle = 0.6022461200243447\n" +
+                             corner("c", -0.15, wall) + corner("d", 0.15, wall);
+  const MotionTrial turned{"contact.d.wall", "{normal = [-0.09983341664682815, ", "]}", 0.9950041652780258};
+  CHECK(none_of(tilted, turned, 0.17) == "");
+  CHECK(none_of(tilted, turned, 0.19).find("strike at once and stick") != std::string::npos);
+  CHECK(none_of(tilted, {"body.b.mass", "", "", 1.2}, 0.19) == "");
+}
+
 TEST_CASE("tangent of a motion: a box at rest, one corner of which comes to the bound of its friction") {
   std::string text = R"(
 gravity = [0, -9.81]

@@ -28,6 +28,7 @@ RandomMotion random_motion(unsigned seed) {
   const double vx = dice.zero_or(-2, 2), vy = table ? 1.5 : flies ? dice.zero_or(-2, 1) : 0;
   const double turns = flies ? dice.zero_or(-3, 3) : 0, angle = flies ? dice.zero_or(-0.5, 0.5) : 0;
   const double mu = dice.zero_or(0.05, 0.9), e = dice.zero_or(0, 0.8), mass = dice.between(0.5, 2);
+  const double e_t = dice.one_in(3) ? dice.between(0.1, 0.4) : 0;
   RandomMotion motion;
   std::string& text = motion.text;
   text = "gravity = " + pair_of(pull, -9.81) + "\n";
@@ -43,7 +44,7 @@ RandomMotion random_motion(unsigned seed) {
   text += "[[body]]\nname = \"b\"\nmass = " + text_of(mass) + "\ninertia = " + text_of(dice.between(0.01, 0.05)) +
           "\nposition = " + pair_of(0, y) + "\nvelocity = " + pair_of(vx, vy) + "\nomega = " + text_of(turns) +
           "\nangle = " + text_of(angle) + "\n";
-  const std::string law = wall + "mu = " + text_of(mu) + "\ne_n = " + text_of(e) + "\n";
+  const std::string law = wall + "mu = " + text_of(mu) + "\ne_n = " + text_of(e) + "\ne_t = " + text_of(e_t) + "\n";
   if (ball) text += "[[contact]]\nname = \"c\"\ntype = \"disc-wall\"\nbody = \"b\"\nradius = 0.15\n" + law;
   const double width = dice.between(0.1, 0.3);
   for (const double x : {-0.2, width})
@@ -61,6 +62,7 @@ RandomMotion random_motion(unsigned seed) {
   motion.keys.push_back({"body.b.mass", "", "", mass});
   motion.keys.push_back({"contact.c.mu", "", "", mu});
   motion.keys.push_back({"contact.c.e_n", "", "", e});
+  if (e_t != 0) motion.keys.push_back({"contact.c.e_t", "", "", e_t});
   motion.keys.push_back({"gravity", "[", ", -9.81]", pull});
   return motion;
 }

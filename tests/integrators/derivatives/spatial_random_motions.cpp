@@ -31,6 +31,7 @@ SpatialMotion random_spatial_motion(unsigned seed) {
   const bool flies = dice.one_in(2), slope = dice.one_in(2);
   const double height = shape == "cylinder" ? 0.12 : 0.1, z = flies ? dice.between(0.25, 0.4) : height;
   const double mu = dice.zero_or(0.05, 0.8), e = dice.zero_or(0.1, 0.7), mass = dice.between(0.5, 2);
+  const double e_t = dice.one_in(3) ? dice.between(0.1, 0.4) : 0;
   SpatialMotion motion;
   std::string& text = motion.text;
   text = "dimension = 3\ngravity = " + array_of({slope ? dice.between(-3, 3) : 0, 0, -9.81}) +
@@ -46,7 +47,8 @@ SpatialMotion random_spatial_motion(unsigned seed) {
   std::vector<std::pair<std::string, double>> keys = {
       {"body.b.mass", mass}, {"contact.c.mu", mu}, {"contact.c.e_n", e}};
   std::string law = "wall = {normal = [0, 0, 1]}\nmu = " + override_text("", mu).substr(1) +
-                    "\ne_n = " + override_text("", e).substr(1) + "\n";
+                    "\ne_n = " + override_text("", e).substr(1) + "\ne_t = " + override_text("", e_t).substr(1) + "\n";
+  if (e_t != 0) keys.emplace_back("contact.c.e_t", e_t);
   if (mu > 0 && dice.one_in(3)) {
     law += "rolling = 0.004\nspinning = 0.002\n";
     keys.emplace_back("contact.c.rolling", 0.004), keys.emplace_back("contact.c.spinning", 0.002);
@@ -90,15 +92,24 @@ SpatialMotion random_hanging_body(unsigned seed) {
       "type = \"sphere-sphere\"\ncentre_a = [0, 0, 0.2]\ncentre_b = [0, 0, -0.08]\nradius_a = 0.05\nradius_b = " +
           override_text("", 0.03 - clearance).substr(1) + "\n"};
   SpatialMotion motion;
-  motion.text =
-      "dimension = 3\ngravity = " + array_of({dice.between(-3, 3), dice.between(-3, 3), -9.81}) +
-      "\n[[body]]\nname = \"b\"\nmass = 1\ninertia = [0.02, 0.021, 0.005]\nposition = [0, 0, -0.2]\nomega = " +
-      array_of({dice.zero_or(-1, 1), dice.zero_or(-1, 1), dice.zero_or(-1, 1)}) +
-      "\n[[contact]]\nname = \"c\"\nbodies = [\"b\", \"ground\"]\n" + kinds[seed % 5] + law;
+  motion.text = "dimension = 3\ngravity = " + array_of({dice.between(-3, 3), dice.between(-3, 3), -9.81}) +
+                "\n[[body]]\nname = \"b\"\nmass = 1\ninertia = [0.02, 0.021, 0.005]\nposition = " +
+                array_of({0.3 * clearance, -0.1 * clearance, 0.2 * clearance - 0.2}) +
+                "\nomega = " + array_of({dice.zero_or(-1, 1), dice.zero_or(-1, 1), dice.zero_or(-1, 1)}) +
+                "\n[[contact]]\nname = \"c\"\nbodies = [\"b\", \"ground\"]\n" + kinds[seed % 5] + law;
   for (const auto& [key, value] :
        {std::pair<std::string, double>{"body.b.mass", 1}, {"contact.c.mu", mu}, {"contact.c.e_n", e}})
     motion.parameters.push_back(by_key(motion.text, key, value));
   if (seed % 5 < 3) motion.parameters.push_back(by_key(motion.text, "contact.c.radius_b", 0.05 + clearance));
+  if (seed % 5 < 3)
+    motion.parameters.push_back(by_change(motion.text, "centre_b.z", 0, [](spatial::Scene& s, double x) {
+      for (auto& contact : s.contacts)
+        std::visit(
+            [x](auto& c) {
+              if constexpr (requires { c.centre_b; }) c.centre_b.z() = x;
+            },
+            contact);
+    }));
   const spatial::Scene base = spatial_from_text(motion.text);
   for (Index entry = 0; entry < 12; ++entry) motion.parameters.push_back(by_start(base, entry));
   return motion;

@@ -306,6 +306,42 @@ TEST_CASE("tangent of a run in space: joints, a drive, springs, drag, dry fricti
   check_spatial(scene, starts, clock, {.step = 1e-5});
 }
 
+TEST_CASE("tangent of a run in space: axes of joints along the coordinates' axes, where directions across them jump") {
+  const auto turned = [](const Vector3d& axis, int entry, double by) {
+    Vector3d other = axis;
+    other[entry] += by;
+    return Vector3d(other.normalized());
+  };
+  for (const Vector3d axis : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(Vector3d(1, 1, 1).normalized())})
+    for (int entry = 0; entry < 3; ++entry) {
+      CAPTURE(axis.transpose());
+      CAPTURE(entry);
+      const auto with = [&](auto joint, const std::string& name, const Vector3d& omega = {0, 0, 0}) {
+        spatial::Scene scene;
+        scene.gravity = {1, 2, -9.81};
+        scene.body({.name = "b", .inertia = Vector3d(0.02, 0.03, 0.04).asDiagonal(), .omega = omega});
+        scene.joint(joint);
+        const SpatialParameter parameter{name, 0,
+                                         [=](double x) {
+                                           spatial::Scene other = scene;
+                                           auto& j = std::get<decltype(joint)>(other.joints[0]);
+                                           if constexpr (requires { j.axis_a; })
+                                             j.axis_a = j.axis_b = turned(axis, entry, x);
+                                           else
+                                             j.axis = turned(axis, entry, x);
+                                           return other;
+                                         },
+                                         -1};
+        const Vector3d moves = (turned(axis, entry, 1e-3) - axis) / 1e-3;
+        if (moves.norm() > 0.1)
+          check_spatial(scene, {parameter}, {.step = 1e-3, .duration = 0.02}, {.tolerance = 1e-5, .step = 1e-5});
+      };
+      with(spatial::Prismatic{"k", kGround, 0, {0, 0, 0}, {0.1, 0, 0.2}, axis}, "prismatic");
+      with(spatial::PointOnLine{"k", kGround, 0, {0, 0, 0}, {0, 0, 0}, axis}, "point on line");
+      with(spatial::Revolute{"k", kGround, 0, {0, 0, 0}, {0, 0, 0}, axis, axis}, "revolute", 3 * axis);
+    }
+}
+
 TEST_CASE("tangent of a run in space: a block whose corners or feet strike, slide and turn, with friction discs") {
   for (const bool on_feet : {false, true}) {
     INFO(on_feet);
