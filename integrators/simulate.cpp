@@ -83,16 +83,16 @@ template <class Space> class Watchdog {
   Watchdog(const Clock& clock, Integrator& integrator, Solver& solver)
       : on_(clock.time_limit < kInf || clock.cancel != nullptr), integrator_(integrator), solver_(solver) {
     if (!on_) return;
-    budget_before_ = integrator_.budget(), cancel_before_ = solver_.cancel(), time_limit_before_ = solver_.time_limit();
+    budget_before_ = integrator_.budget(), cancel_before_ = solver_.cancel(), outer_before_ = solver_.outer_budget();
     budget_.start(clock.time_limit, clock.cancel);
     integrator_.set_budget(&budget_);
-    solver_.set_cancel(clock.cancel);
+    solver_.set_cancel(clock.cancel), solver_.set_outer_budget(&budget_);
   }
   ~Watchdog() {
     if (!on_) return;
     integrator_.set_budget(budget_before_);
     solver_.set_cancel(cancel_before_);
-    solver_.set_time_limit(time_limit_before_);
+    solver_.set_outer_budget(outer_before_);
   }
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -100,7 +100,6 @@ template <class Space> class Watchdog {
   /// Asked before each step: true when the run is over.
   bool barks(Status& status) {
     if (!on_) return false;
-    solver_.set_time_limit(budget_.remaining());
     if (!budget_.exhausted()) return false;
     status = budget_.cancelled() ? Status::cancelled : Status::time_limit;
     return true;
@@ -113,7 +112,7 @@ template <class Space> class Watchdog {
   Solver& solver_;
   const Budget* budget_before_ = nullptr;  // the caller's
   const std::atomic<bool>* cancel_before_ = nullptr;
-  double time_limit_before_ = kInf;  // [s]
+  const Budget* outer_before_ = nullptr;
 };
 
 /// Why the solver has not taken the last problem; empty: it has, or there was none.

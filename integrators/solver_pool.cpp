@@ -20,6 +20,9 @@ SolverPool::~SolverPool() {
 void SolverPool::run(int count, Solver& own, Call call, void* context) {
   {
     const std::lock_guard lock(mutex_);
+    for (const auto& helper : helpers_)
+      helper->set_cancel(own.cancel()), helper->set_time_limit(own.time_limit()),
+          helper->set_outer_budget(own.outer_budget());
     count_ = failed_ = count, call_ = call, context_ = context, thrown_ = nullptr;
     next_ = 0;
     busy_ = static_cast<int>(helpers_.size());

@@ -279,7 +279,8 @@ std::string Solver::refusal(const Lcp& problem) {
 /// Of a problem that check() has seen.
 const Solution& Solver::solve_discs(const Lcp& problem, Solution& s, Start start) {
   with_discs();
-  discs_->set_time_limit(time_limit_), discs_->set_cancel(cancel_), discs_->set_log(log_);
+  discs_->set_time_limit(time_limit_), discs_->set_outer_budget(outer_), discs_->set_cancel(cancel_),
+      discs_->set_log(log_);
   discs_->set_proof_search(proof_search_);
   const double limit = time_limit_;
   IterationLog* const log = std::exchange(log_, nullptr);  // a pyramid's own iterations are another matter

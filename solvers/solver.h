@@ -10,6 +10,7 @@
 #include <orthant/solvers/proof/cone_proof.h>
 #include <orthant/solvers/proof/farkas.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -45,6 +46,10 @@ class Solver {
   /// Wall time of one solve [s]; past it the run ends with time_limit, the last z kept.
   void set_time_limit(double seconds) { time_limit_ = seconds; }
   double time_limit() const { return time_limit_; }
+  /// The time of something that takes several solves: each of them ends when this one is over. Null: none. It must
+  /// outlive solves.
+  void set_outer_budget(const Budget* outer) { outer_ = outer; }
+  const Budget* outer_budget() const { return outer_; }
   /// A flag another thread may raise at any time: the run then ends with `cancelled`. Null: none. It must outlive
   /// solves.
   void set_cancel(const std::atomic<bool>* cancel) { cancel_ = cancel; }
@@ -64,7 +69,7 @@ class Solver {
   virtual double tolerance() const = 0;  // accepted residual, relative to ‖b‖∞ (certify.h: β)
   /// The clock starts and the log is emptied. solve() has done so before run().
   void begin() {
-    budget_.start(time_limit_, cancel_);
+    budget_.start(outer_ != nullptr ? std::min(time_limit_, outer_->remaining()) : time_limit_, cancel_);
     if (log_ != nullptr) log_->clear();
   }
   const Budget& budget() const { return budget_; }  // run() asks it once an iteration
@@ -128,7 +133,8 @@ class Solver {
   std::unique_ptr<ConeProof> cone_proof_;  // made when first needed
   bool proof_search_ = true, proof_sought_ = false;
   Budget budget_;
-  double time_limit_ = kInf;
+  double time_limit_ = kInf;  // [s]
+  const Budget* outer_ = nullptr;
   const std::atomic<bool>* cancel_ = nullptr;
   IterationLog* log_ = nullptr;
   std::unique_ptr<Solver> discs_;  // what answers for friction discs

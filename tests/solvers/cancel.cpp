@@ -161,6 +161,23 @@ TEST_CASE("every solver ends within a second of its time limit, and of a raised 
   for (const SolverEntry& entry : solvers()) CHECK(std::ranges::count(seen, entry.name) >= 1);
 }
 
+TEST_CASE("several solves share the time of an outer budget") {
+  Solution s;
+  for (Long& work : long_work()) {
+    CAPTURE(work.spec);
+    const auto solver = make_solver(work.spec);
+    Budget whole;
+    whole.start(0.3, nullptr);
+    solver->set_outer_budget(&whole);
+    solver->set_time_limit(60);
+    const double seconds = seconds_of([&] {
+      for (int k = 0; k < 4; ++k) solver->solve(work.problem, s);  // 0.3 s each, if they had it
+    });
+    CHECK(seconds < (kSanitized ? 3 : 1));
+    CHECK(s.status == Status::time_limit);
+  }
+}
+
 TEST_CASE("a sparse factorization that would pass the time limit is not begun") {
   const Lcp problem = family_problem("sparse", kSanitized ? 3000 : 20000, 0);  // minutes a factorization, with KLU
   constexpr double kLimit = 0.3;
