@@ -33,7 +33,7 @@ TEST_CASE("shifted operator: solves in the columns' space are those of the dense
     const Delassus A = random_operator(rows, columns, dice);
     std::vector<int> order;
     for (int i = 0; i < rows; ++i) order.push_back(static_cast<int>(rows - 1 - i));
-    Vector scale(rows), b(rows);
+    Vector scale = Eigen::VectorXd::Zero(rows), b = scale;
     for (double& x : scale) x = dice.between(0.5, 2);
     for (double& x : b) x = dice.between(-1, 1);
     Index used = 0;
