@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/integrators/derivatives/motion_trials.h"
-#include "tests/support/draws.h"
+#include "tests/support/scene_draws.h"
 
 #include <array>
 
@@ -22,7 +22,7 @@ std::string text_of(double x) { return override_text("", x).substr(1); }
 std::string pair_of(double x, double y) { return "[" + text_of(x) + ", " + text_of(y) + "]"; }
 
 RandomMotion random_motion(unsigned seed) {
-  Draws dice(seed);
+  SceneDraws dice(seed);
   const bool flies = dice.one_in(3), ball = dice.one_in(4), table = !flies && dice.one_in(4);
   const double pull = dice.zero_or(-4, 4), y = flies ? dice.between(0.16, 0.4) : 0.15;
   const double vx = dice.zero_or(-2, 2), vy = table ? 1.5 : flies ? dice.zero_or(-2, 1) : 0;

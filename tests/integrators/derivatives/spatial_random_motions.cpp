@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/integrators/derivatives/spatial_trials.h"
-#include "tests/support/draws.h"
+#include "tests/support/scene_draws.h"
 
 #include <array>
 
@@ -25,7 +25,7 @@ struct SpatialMotion {
 };
 
 SpatialMotion random_spatial_motion(unsigned seed) {
-  Draws dice(seed);
+  SceneDraws dice(seed);
   const std::array<std::string, 6> shapes = {"sphere", "ellipsoid", "box", "cylinder", "cone", "feet"};
   const std::string& shape = shapes[seed % shapes.size()];
   const bool flies = dice.one_in(2), slope = dice.one_in(2);
@@ -75,7 +75,7 @@ SpatialMotion random_spatial_motion(unsigned seed) {
 
 /// A body that hangs with clearance in the ground: in a socket, a bush, a channel, or on a ball.
 SpatialMotion random_hanging_body(unsigned seed) {
-  Draws dice(seed);
+  SceneDraws dice(seed);
   const double clearance = std::array{1e-2, 1e-3, 1e-4, 1e-5}[(seed / 5) % 4];
   const double mu = dice.zero_or(0.05, 0.8), e = dice.zero_or(0.1, 0.7);
   const std::string law =

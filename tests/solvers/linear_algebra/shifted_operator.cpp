@@ -4,14 +4,14 @@
 #include <doctest/doctest.h>
 #include <Eigen/LU>
 
-#include "tests/support/draws.h"
+#include "tests/support/scene_draws.h"
 
 using namespace orthant;
 
 namespace {
 
 /// `rows` random rows of three entries each.
-Delassus random_operator(Index rows, Index columns, Draws& dice) {
+Delassus random_operator(Index rows, Index columns, SceneDraws& dice) {
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(rows, columns);
   for (Index i = 0; i < rows; ++i)
     for (int k = 0; k < 3; ++k) W(i, (7 * i + 5 * k) % columns) = dice.between(-1, 1);
@@ -25,7 +25,7 @@ Delassus random_operator(Index rows, Index columns, Draws& dice) {
 }  // namespace
 
 TEST_CASE("shifted operator: solves in the columns' space are those of the dense matrix") {
-  Draws dice(5);
+  SceneDraws dice(5);
   ShiftedOperator solver;
   for (const auto& [rows, columns] : {std::pair<Index, Index>{12, 4}, {60, 24}, {30, 24}, {8, 20}}) {
     CAPTURE(rows);

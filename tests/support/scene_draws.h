@@ -1,4 +1,4 @@
-// tests/support/draws.h — random numbers of test scenes, the same on every system.
+// tests/support/scene_draws.h — random numbers of test scenes, the same on every system.
 #pragma once
 
 #include <cmath>
@@ -6,9 +6,9 @@
 
 namespace orthant {
 
-class Draws {
+class SceneDraws {
  public:
-  explicit Draws(unsigned seed) : bits_(seed) {}
+  explicit SceneDraws(unsigned seed) : bits_(seed) {}
   /// With three decimals, which a scene's text holds.
   double between(double low, double high) {
     const double x = low + (high - low) * static_cast<double>(bits_()) / 4294967296.0;
