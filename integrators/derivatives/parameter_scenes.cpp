@@ -37,8 +37,8 @@ class MovedFactor {
   std::vector<double> own_, knots_;
 };
 
-/// The directions across axes of joints are those of `base`, turned along: perpendicular() jumps where two coordinates of
-/// an axis are alike.
+/// The directions across axes of joints are those of `base`, turned along: perpendicular() jumps where two coordinates
+/// of an axis are alike.
 void keep_across(const Scene& /*base*/, Scene& /*scene*/) {}
 void keep_across(const spatial::Scene& base, spatial::Scene& scene) {
   for (std::size_t i = 0; i < scene.joints.size() && i < base.joints.size(); ++i)

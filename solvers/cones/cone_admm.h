@@ -6,8 +6,8 @@
 //   factorized (CHOLMOD) and N x taken from the last iteration, a third to a tenth of the time of an LU factorization;
 //   else LU (cone_system.h). Where N is rounding only (1e-10), N x is found every 20 iterations. Of an operator with
 //   fewer coordinates than rows (bodies with many contacts) the factors are those of the coordinates
-//   (shifted_operator.h). ρ is multiplied or divided where the residuals ‖x − y‖, ρ ‖y − y_old‖ differ by more than ten;
-//   looked at every 20 iterations.
+//   (shifted_operator.h). ρ is multiplied or divided where the residuals ‖x − y‖, ρ ‖y − y_old‖ differ by more than
+//   ten; looked at every 20 iterations.
 //   Converges for μ = 0 and A symmetric semidefinite; in practice mostly, to moderate accuracy. A may be unsymmetric.
 //   Source: Carpentier, Le Lidec & Montaut, From compliant to rigid contact simulation (2024); Boyd et al. (2011).
 #pragma once

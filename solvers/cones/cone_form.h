@@ -26,7 +26,7 @@ class ConeForm {
   void load_unformed(const Lcp& problem);
   bool formed() const { return operand_ == nullptr; }
   const Delassus& operand() const { return *operand_; }
-  /// The operator whose entries were formed; null: there is none, the problem has entries. As long as the problem lives.
+  /// The operator whose entries were formed; null: the problem has entries. As long as the problem lives.
   const Delassus* source() const { return source_; }
   /// Of the problem, one a row here; D, one a row of the problem.
   const std::vector<int>& rows_of_problem() const { return row_; }

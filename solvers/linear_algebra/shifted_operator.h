@@ -3,10 +3,10 @@
 //
 //   L = D W M⁻¹ᐟ², n × m. For s > 0, by Woodbury's formula:
 //     (L Lᵀ + s I)⁻¹ b = (b − L (s I + Lᵀ L)⁻¹ Lᵀ b) / s
-//   Lᵀ L has a row for each coordinate of the bodies, not for each row of W: a tower of planks with four contacts a face
-//   has a fifth as many, and a hundredth of the factorization's operations.
-// Error: about 1e-16 ‖A‖ / s of the result's size. Cost: one factorization by CHOLMOD a shift; a solve takes two products
-// with L beside it.
+//   Lᵀ L has a row for each coordinate of the bodies, not for each row of W: a tower of planks with four contacts a
+//   face has far fewer of them.
+// Error: about 1e-16 ‖A‖ / s of the result's size. Cost: one factorization by CHOLMOD a shift; a solve takes two
+// products with L beside it.
 // Source: Golub & Van Loan, Matrix Computations (2013), 2.1.4.
 #pragma once
 
