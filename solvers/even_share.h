@@ -1,7 +1,7 @@
 // solvers/even_share.h — canonical solution: contact impulses that the problem leaves open, shared evenly.
 //
 //   Rows that depend on each other leave z open: normals (a box on four corners), and tangents (three feet that stick
-//   may pull against each other). Where contacts slide shares matter: with a yaw the moment of friction depends on them.
+//   may pull against each other). Where contacts slide shares matter: with a yaw friction's moment depends on them.
 //   Which solution a method finds depends on the order of rows and on rounding. Here it is the limit of proximal steps
 //   from none, as of contacts with a little compliance:
 //     z⁰ = 0,   z^{k+1} solves   w = A z + b + D (z − z^k),   D_ii = 10⁻³ A_ii, of a disc's rows their mean.
