@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/integrators/derivatives/spatial_trials.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scene_draws.h"
 
 #include <array>
@@ -209,9 +210,9 @@ void check_sides(unsigned seeds, SpatialMotion (*motion_of)(unsigned)) {
 }  // namespace
 
 TEST_CASE("derivatives of random runs in space are those of both sides, or of the one that is named, or are refused") {
-  check_sides(48, random_spatial_motion);
+  check_sides(kSanitized ? 6 : 48, random_spatial_motion);
 }
 
 TEST_CASE("derivatives of random runs of bodies that hang with clearance are those of both sides, or are refused") {
-  check_sides(40, random_hanging_body);
+  check_sides(kSanitized ? 5 : 40, random_hanging_body);
 }
