@@ -379,3 +379,22 @@ e_n = 0.3
   CHECK(by("contact.f.e_t", 0).none.find("restitution e_t of either sign") != std::string::npos);
   CHECK(by("contact.f.mu", 0.2).none == "");
 }
+
+TEST_CASE("tangent of a motion: a point of a joint, through a series of impacts in a pin whose clearance is small") {
+  const std::string text = scene_texts::contents(scene_texts::kCore / "scenes/slider_crank_pin.toml");
+  const MotionTrial point{"joint.crank_pin.point_b", "[", ", 0]", -0.0765};
+  const auto solver = make_solver("auto");
+  const System system(from_text(text)({}));
+  const double end = 0.00105, step = 3e-8;
+  const auto omega = [&](double by) {
+    return end_of(from_text(text)({set_of(point, point.value + by)}), "event-driven", {.step = end, .duration = end})
+        .v[2];
+  };
+  const double expected = (omega(step) - omega(-step)) / (2 * step);
+  for (const double every : {end, end / 10}) {
+    CAPTURE(every);
+    const MotionTangent t = differentiate_motion(system, parameters_of(text, {point}), {}, *solver, end, every);
+    CHECK(t.none == "");
+    CHECK(t.v(2, 0) == doctest::Approx(expected).epsilon(1e-4));
+  }
+}
