@@ -312,7 +312,7 @@ TEST_CASE("tangent of a run in space: axes of joints along the coordinates' axes
     other[entry] += by;
     return Vector3d(other.normalized());
   };
-  for (const Vector3d axis : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(Vector3d(1, 1, 1).normalized())})
+  for (const Vector3d& axis : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(Vector3d(1, 1, 1).normalized())})
     for (int entry = 0; entry < 3; ++entry) {
       CAPTURE(axis.transpose());
       CAPTURE(entry);
