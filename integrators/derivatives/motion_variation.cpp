@@ -17,7 +17,7 @@ constexpr double kTilt = 1e-6;           // of gaps' changes: closer ones are eq
 constexpr double kTouches = 1e-12;       // [m, m/s] and of the places: gaps and rates of contacts that touch
 constexpr double kRounded = 1e-14;       // [m, m/s] of gaps and rates
 constexpr double kOfRadius = 1e-2;       // of the least radius on which a contact's direction turns: differences
-constexpr double kStepARadius = 2e-2;    // [1/m] likewise, of the value: a moved joint moves its contacts along
+constexpr double kStepARadius = 2e-2;    // [1/m] of the value and that radius: a moved joint moves its contacts
 
 /// [m] The least distance of two centres whose line is a contact's normal; infinity: there is none.
 double least_radius(const Scene& scene) {

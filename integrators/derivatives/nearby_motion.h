@@ -58,8 +58,8 @@ class NearbyMotion {
   }
   /// The struck contacts' gaps are closed along the directions of their pushes, as if they fell back at once.
   void touch(const std::vector<Struck>& struck, double t, Eigen::VectorXd& q);
-  /// Newton's law of the struck contacts, each sliding or sticking as it is told. Returns what is left of the rates
-  /// wanted [m/s]: more than rounding where contacts depend on each other and contradict.
+  /// Newton's law of the struck contacts; each slides or sticks as `struck` says. Returns the largest error of their
+  /// rates [m/s]: more than rounding where contacts depend on each other and contradict.
   double strike(const std::vector<Struck>& struck, double t, const Eigen::VectorXd& q, Eigen::VectorXd& v);
 
  private:

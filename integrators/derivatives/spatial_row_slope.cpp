@@ -1,6 +1,7 @@
 #include <orthant/integrators/derivatives/spatial_row_slope.h>
 
 #include <cmath>
+#include <optional>
 
 namespace orthant {
 
@@ -152,7 +153,9 @@ void slopes_of(const SystemOf<Spatial>& system, int contact, KinematicsOf<Spatia
   const ContactLaw& law = system.law(contact);
   const double turning = turning_length(system, contact, at);
   const auto* rim = std::get_if<spatial::RimPlane>(&contact_of(system, contact));
-  const spatial::Contact moved = turning > 0 || rim == nullptr ? contact_of(system, contact) : held_point(*rim, at);
+  std::optional<spatial::Contact> held;
+  if (turning == 0 && rim != nullptr) held = held_point(*rim, at);
+  const spatial::Contact& moved = held ? *held : contact_of(system, contact);
   for (auto& slope : slopes.rows) slope.count = 0;
   slopes.belt.clear();
   const auto [a, b] = bodies_of(system, {}, contact);

@@ -12,7 +12,7 @@ namespace {
 constexpr double kDeepClearance = 0.5, kDeepBody = 0.1;       // of a contact's length: reported
 constexpr double kOutOfClearance = 10, kIntoBody = 0.5;       // likewise: the run ends
 constexpr double kLook = 0.05;                                // likewise, of driven scenes: a jam is searched for
-constexpr double kLookInSpace = 1e-3, kLookOfPrecise = 1e-5;  // there the problem of a step does not show it
+constexpr double kLookInSpace = 1e-3, kLookOfPrecise = 1e-5;  // there the step shows it of single contacts only
 constexpr double kWays = 3;                        // ways of a step that a scheme of fixed step may overlap by
 constexpr double kDefect = 0.05, kMostDefect = 1;  // of the energy's scale: reported; the run ends
 constexpr double kGrown = 1.2;                     // of the overlap at the last look: looked at again

@@ -6,7 +6,7 @@
 //   Lᵀ L has a row for each coordinate of the bodies, not for each row of W: a tower of planks with four contacts a
 //   face has far fewer of them.
 // Error: about 1e-16 ‖A‖ / s of the result's size. Cost: one factorization by CHOLMOD a shift; a solve takes two
-// products with L beside it.
+// products with L more.
 // Source: Golub & Van Loan, Matrix Computations (2013), 2.1.4.
 #pragma once
 

@@ -70,7 +70,7 @@ TEST_CASE("tangent of a motion: falls that turn a body, and contacts of which no
   };
   const std::string box = "[[body]]\nname = \"b\"\nmass = 1.2\ninertia = 0.02\n";
   const std::string floor = "wall = {normal = [0, 1]}\n";
-  // A load beside the centre turns the box as it falls from rest.
+  // A load off the centre turns the box as it falls from rest.
   const std::string sliding = "gravity = [3, -9.81]\n" + box + "position = [0, 0.1]\n" +
                               corner("c", -0.15, floor + "mu = 0.2\n") + corner("d", 0.15, floor + "mu = 0.2\n");
   const std::string beside = sliding + "[[load]]\nname = \"l\"\nbody = \"b\"\npoint = [0.05, 0]\nforce = [0, -2]\n";

@@ -12,6 +12,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 #include "tests/support/scene_texts.h"
 
@@ -286,5 +288,20 @@ radius_b = 0.014
 mu = 0.1
 e_n = 0.3
 )";
+
+/// Without a warning a derivative must be that of both sides, with one that of the side which it names.
+inline void check_side(const std::vector<std::string>& warnings, bool larger, bool smaller) {
+  std::string words;
+  for (const std::string& warning : warnings) words += warning + '\n';
+  CAPTURE(words);
+  if (words.find("of larger values") != std::string::npos)
+    CHECK(larger);
+  else if (words.find("of smaller values") != std::string::npos)
+    CHECK(smaller);
+  else if (words.find("one-sided") != std::string::npos)
+    CHECK((larger || smaller));
+  else
+    CHECK((larger && smaller));
+}
 
 }  // namespace orthant
