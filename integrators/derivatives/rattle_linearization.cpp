@@ -302,7 +302,7 @@ void RattleLinearization::push_one(const StepPart& parameter, double* q, double*
   force_ = -rho_.segment(at_.r4, dof) - rho_.segment(at_.r7, dof);
   joints_ = -rho_.segment(at_.r5, joints) - rho_.segment(at_.r8, joints);
   second_.solve(force_.data(), joints_.data(), v, unused_.data());
-  if (impulses != nullptr) impulses->normal.setZero(system_.contacts()), impulses->tangent.setZero(system_.contacts());
+  if (impulses != nullptr) impulses->clear(system_);
   if (velocity_.rows == 0) return;
   y_.resize(velocity_.rows);
   for (Index i = 0; i < velocity_.rows; ++i) y_[i] = apply(velocity_.hold[at(i)], v);
@@ -312,6 +312,7 @@ void RattleLinearization::push_one(const StepPart& parameter, double* q, double*
     if (velocity_.normal[k] >= 0) impulses->normal[step_->contacts[k].contact] = z[velocity_.normal[k]];
     if (velocity_.tangent[k] >= 0) impulses->tangent[step_->contacts[k].contact] = z[velocity_.tangent[k]];
   }
+  if (impulses != nullptr) impulses->friction = z.tail(velocity_.rows - velocity_.first_friction);
 }
 
 // The adjoint of w at fixed z; those of bounds and μ behind it.
@@ -333,6 +334,7 @@ void RattleLinearization::pull(double* q, double* v, const ImpulseChange* impuls
       if (velocity_.normal[k] >= 0) of_z[velocity_.normal[k]] += impulses->normal[step_->contacts[k].contact];
       if (velocity_.tangent[k] >= 0) of_z[velocity_.tangent[k]] += impulses->tangent[step_->contacts[k].contact];
     }
+    if (impulses != nullptr) of_z.tail(velocity_.rows - velocity_.first_friction) += impulses->friction;
     const Eigen::VectorXd beta = adjoint_of(velocity_, at_.w2, of_z);
     for (Index i = 0; i < velocity_.rows; ++i) apply_transposed(velocity_.hold[at(i)], beta[i], y_.data());
   }

@@ -77,7 +77,7 @@ template <class Space, class Options> class Adjoint {
       if (recorded) slopes_.set_up(moment.state);
       for (std::size_t i = 0; i < columns.size(); ++i) {
         double value = recorded ? slopes_.value(i, moment.state) : 0;
-        if (columns[i].impulse()) value = impulse_of(columns[i], system_, moment.impulses);
+        if (columns[i].impulse()) value = impulse_of(columns[i], system_, moment);
         result_.value += value * W_.row(static_cast<Index>(i)).transpose();
       }
     });
@@ -147,7 +147,7 @@ template <class Space, class Options> class Adjoint {
         const double weight = W_(static_cast<Index>(i), scalar);
         if (weight == 0) continue;
         slopes_.pull(i, weight, q_.col(scalar).data(), v_.col(scalar).data());
-        for (std::size_t j = 0; j < changes_.size() && slopes_.any_gap(); ++j)
+        for (std::size_t j = 0; j < changes_.size() && slopes_.any_by_parameter(); ++j)
           result_.gradient(scalar, static_cast<Index>(j)) += weight * slopes_.by_parameter(i, changes_[j]);
       }
   }
@@ -158,7 +158,7 @@ template <class Space, class Options> class Adjoint {
     for (std::size_t j = 0; j < changes_.size(); ++j) linear_.part_of(changes_[j], parts_[j]);
     for (Index scalar = 0; scalar < W_.cols(); ++scalar) {
       if (slopes_.any_impulse()) {
-        for (auto* part : {&impulses_.normal, &impulses_.tangent, &impulses_.across}) part->setZero(system_.contacts());
+        impulses_.clear(system_);
         for (std::size_t i = 0; i < slopes_.columns().size(); ++i) {
           const RunColumn& column = slopes_.columns()[i];
           const double weight = W_(static_cast<Index>(i), scalar);

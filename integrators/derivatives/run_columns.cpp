@@ -38,7 +38,8 @@ double& impulse_of(RunColumn column, ImpulseChange& change) {
   using Kind = RunColumn::Kind;
   return (column.kind == Kind::normal    ? change.normal
           : column.kind == Kind::tangent ? change.tangent
-                                         : change.across)[column.place];
+          : column.kind == Kind::across  ? change.across
+                                         : change.friction)[column.place];
 }
 
 namespace {
@@ -95,6 +96,37 @@ template <class Space> Index places_of_state(const SystemOf<Space>& system) {
   return kPlanar<Space> ? 2 * system.dof() : kSpatialColumns * system.bodies();
 }
 
+/// Calls f(place, slope by q there, slope by v there) for each of the energy's: M v, and what weights and springs ask.
+template <class Space, class F>
+void each_energy_slope(const SystemOf<Space>& system, const KinematicsOf<Space>& at, const State& x, F&& f) {
+  for (Index i = 0; i < system.dof(); ++i) f(i, -system.weight()[i], system.mass()[i] * x.v[i]);
+  if (system.scene().springs.empty()) return;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(system.dof());
+  for (const auto& spring : system.scene().springs) {
+    const SpringStateOf<Space> s = std::visit([&](const auto& one) { return one.evaluate(at, rest.data()); }, spring);
+    each_entry(s.row, [&](Index place, double j) { f(place, s.tension * j, 0.0); });
+  }
+}
+
+/// What a parameter changes of the energy of a state.
+template <class Space>
+double energy_by_parameter(const ParameterChangeOf<Space>& parameter, const KinematicsOf<Space>& at, const State& x) {
+  double sum = 0;
+  if (parameter.mass.size() > 0) sum += 0.5 * x.v.dot(parameter.mass.cwiseProduct(x.v));
+  for (const auto& [body, inertia] : parameter.inertia) {
+    const auto& spin = rotation<Spatial>(x.v, body);
+    sum += 0.5 * spin.dot(inertia * spin);
+  }
+  for (Index body = 0; body < std::ssize(parameter.other().scene().bodies) && parameter.weight.size() > 0; ++body)
+    sum -= translation<Space>(parameter.weight, body).dot(place_of<Space>(x.q, body));
+  for (const int spring : parameter.springs)
+    sum += parameter.template derivative<1>([&](const SystemOf<Space>& s, std::array<double, 1>& energy) {
+      energy[0] = std::visit([&](const auto& one) { return one.evaluate(at, x.v.data()).energy; },
+                             s.scene().springs[static_cast<std::size_t>(spring)]);
+    })[0];
+  return sum;
+}
+
 /// The gap's slopes by the pose. They are the normal row but where the gap's point is neither held by the bodies nor
 /// the nearest one: points of a rim next to the lowest one, whose slopes are differences.
 template <class Space>
@@ -133,7 +165,10 @@ RowOf<Space> gap_row(const SystemOf<Space>& system, int contact, const Kinematic
 template <class Space> ColumnSlopesOf<Space>::ColumnSlopesOf(const System& system, std::vector<RunColumn> columns)
     : system_(system), columns_(std::move(columns)), at_(TermsOf<Space>(system).at) {
   for (const RunColumn& column : columns_) {
-    const Index count = column.kind == RunColumn::Kind::state ? places_of_state(system) : system.listed();
+    const Index count = column.kind == RunColumn::Kind::state      ? places_of_state(system)
+                        : column.kind == RunColumn::Kind::energy   ? 1
+                        : column.kind == RunColumn::Kind::friction ? std::ssize(system.scene().frictions)
+                                                                   : system.listed();
     if (column.place < 0 || column.place >= count)
       throw std::invalid_argument("column of a run: place must be 0 to " + std::to_string(count - 1));
     if (column.kind == RunColumn::Kind::across) {
@@ -143,18 +178,20 @@ template <class Space> ColumnSlopesOf<Space>::ColumnSlopesOf(const System& syste
             "column of a run: the second tangent's impulse of a contact with mu_across has no derivative here");
     }
     any_gap_ = any_gap_ || column.kind == RunColumn::Kind::gap;
+    any_energy_ = any_energy_ || column.kind == RunColumn::Kind::energy;
     any_impulse_ = any_impulse_ || column.impulse();
   }
 }
 
 template <class Space> void ColumnSlopesOf<Space>::set_up(const State& x) {
-  if (any_gap_) set_poses(system_, x.t, x.q, at_);
-  if constexpr (!kPlanar<Space>) x_ = x;
+  if (any_by_parameter()) set_poses(system_, x.t, x.q, at_);
+  if (any_energy_ || !kPlanar<Space>) x_ = x;
 }
 
 template <class Space> double ColumnSlopesOf<Space>::value(std::size_t i, const State& x) const {
   const RunColumn& column = columns_[i];
   if (column.kind == RunColumn::Kind::gap) return gap_of(system_, {}, static_cast<int>(column.place), at_);
+  if (column.kind == RunColumn::Kind::energy) return energy(system_, x);
   return column.kind == RunColumn::Kind::state ? value_at(system_, x, column.place) : 0;
 }
 
@@ -173,6 +210,12 @@ template <class Space> double ColumnSlopesOf<Space>::push(std::size_t i, const P
       return sum;
     }
   }
+  if (column.kind == RunColumn::Kind::energy) {
+    double sum = by_parameter(i, parameter);
+    each_energy_slope(system_, at_, x_,
+                      [&](Index place, double by_q, double by_v) { sum += by_q * q[place] + by_v * v[place]; });
+    return sum;
+  }
   if (column.kind != RunColumn::Kind::gap) return 0;
   return apply(gap_row(system_, static_cast<int>(column.place), at_, x_), q) + by_parameter(i, parameter);
 }
@@ -188,6 +231,10 @@ template <class Space> void ColumnSlopesOf<Space>::pull(std::size_t i, double we
         if (of_v >= 0) v[of_v] += weight * by_v;
       });
   }
+  if (column.kind == RunColumn::Kind::energy)
+    each_energy_slope(system_, at_, x_, [&](Index place, double by_q, double by_v) {
+      q[place] += weight * by_q, v[place] += weight * by_v;
+    });
   if (column.kind != RunColumn::Kind::gap) return;
   apply_transposed(gap_row(system_, static_cast<int>(column.place), at_, x_), weight, q);
 }
@@ -195,6 +242,7 @@ template <class Space> void ColumnSlopesOf<Space>::pull(std::size_t i, double we
 template <class Space>
 double ColumnSlopesOf<Space>::by_parameter(std::size_t i, const ParameterChange& parameter) const {
   const RunColumn& column = columns_[i];
+  if (column.kind == RunColumn::Kind::energy) return parameter.of_scene() ? energy_by_parameter(parameter, at_, x_) : 0;
   const auto& changed = parameter.contacts;
   if (column.kind != RunColumn::Kind::gap || std::find(changed.begin(), changed.end(), column.place) == changed.end())
     return 0;

@@ -1,4 +1,4 @@
-// integrators/derivatives/run_columns.h — columns of a run that have derivatives: state, gaps, impulses of contacts.
+// integrators/derivatives/run_columns.h — columns of a run that have derivatives: state, gaps, energy, impulses.
 #pragma once
 
 #include <orthant/core/mechanics/spatial/friction_impulse.h>
@@ -38,13 +38,14 @@ template <> struct StepSchemeOf<RattleOptions> {
 };
 
 struct RunColumn {
-  enum class Kind { state, gap, normal, tangent, across };  // the last three: impulses since the record before [N s]
+  /// From `normal` on: impulses since the record before [N s], `friction` of a dry friction in a joint [N s, N m s].
+  enum class Kind { state, gap, energy, normal, tangent, across, friction };
   Kind kind = Kind::state;
-  /// In (q, v), 0 … 2 dof − 1; of the others the contact. In space 13 of each body: x, y, z, the body's quaternion
-  /// w, x, y, z, velocity and angular velocity in the world.
+  /// In (q, v), 0 … 2 dof − 1; in space 13 of each body: x, y, z, the body's quaternion w, x, y, z, velocity and angular
+  /// velocity in the world. Of gaps and impulses the contact or the friction; of the energy 0.
   Index place = 0;
 
-  bool impulse() const { return kind == Kind::normal || kind == Kind::tangent || kind == Kind::across; }
+  bool impulse() const { return kind >= Kind::normal; }
 };
 
 /// A step in which rows are weakly active: only one-sided derivatives exist from here on. In space also one with a
@@ -81,10 +82,11 @@ struct RunSteps {
   long whole, total, every;
 };
 
-/// Of a column of impulses: that of the contact in a step, and its change or weight.
+/// Of a column of impulses: that of a step, and its change or weight.
 template <class Space>
-double impulse_of(RunColumn column, const SystemOf<Space>& system, const std::vector<ImpulseOf<Space>>& impulses) {
-  const auto& one = impulses[at(column.place)];
+double impulse_of(RunColumn column, const SystemOf<Space>& system, const RunSampleOf<Space>& step) {
+  if (column.kind == RunColumn::Kind::friction) return step.frictions[at(column.place)];
+  const auto& one = step.impulses[at(column.place)];
   if (column.kind == RunColumn::Kind::normal) return one.normal;
   const auto tangent = along_unit_tangents(system.law(static_cast<int>(column.place)), one.tangent);
   return tangent_part(tangent, column.kind == RunColumn::Kind::across ? 1 : 0);
@@ -100,7 +102,8 @@ template <class Space> class ColumnSlopesOf {
   ColumnSlopesOf(const System& system, std::vector<RunColumn> columns);
 
   const std::vector<RunColumn>& columns() const { return columns_; }
-  bool any_gap() const { return any_gap_; }
+  /// Whether a parameter may change a column of the same state.
+  bool any_by_parameter() const { return any_gap_ || any_energy_; }
   bool any_impulse() const { return any_impulse_; }
 
   /// The state whose columns' slopes follow.
@@ -116,9 +119,9 @@ template <class Space> class ColumnSlopesOf {
  private:
   const System& system_;
   std::vector<RunColumn> columns_;
-  bool any_gap_ = false, any_impulse_ = false;
+  bool any_gap_ = false, any_impulse_ = false, any_energy_ = false;
   KinematicsOf<Space> at_;
-  State x_;  // in space
+  State x_;  // in the plane only for the energy
 };
 extern template class ColumnSlopesOf<Planar>;
 extern template class ColumnSlopesOf<Spatial>;

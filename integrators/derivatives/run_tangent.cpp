@@ -78,7 +78,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       linear.push(parts, dq, dv, slopes.any_impulse() ? &impulses : nullptr);
       each_impulse([&](Index row, RunColumn column) {
         for (Index j = 0; j < count; ++j) by(row, j) += impulse_of(column, impulses[at(j)]);
-        value[row] += impulse_of(column, system, moment.impulses);
+        value[row] += impulse_of(column, system, moment);
       });
       refuse_overflow(std::isfinite(dq.sum() + dv.sum()), before.t);
       note_degenerate(before.t, linear.degenerate(), step == 0 ? touching : std::vector<int>(), result.degenerate);

@@ -371,7 +371,7 @@ void SpatialStepLinearization::push(const std::vector<StepPart>& parameters, Dir
   }
   for (Index j = 0; j < count && impulses != nullptr; ++j) {
     ImpulseChange& change = (*impulses)[at(j)];
-    for (auto* part : {&change.normal, &change.tangent, &change.across}) part->setZero(system_.contacts());
+    change.clear(system_);
     for (std::size_t k = 0; k < step_.places.size(); ++k) {
       const Trace::Place& place = step_.places[k];
       if (place.normal >= 0) change.normal[step_.contacts[k]] = z_(place.normal, j);
@@ -379,6 +379,7 @@ void SpatialStepLinearization::push(const std::vector<StepPart>& parameters, Dir
       change.tangent[step_.contacts[k]] = z_(place.tangent, j);
       change.across[step_.contacts[k]] = z_(place.tangent + 1, j);
     }
+    for (Index i = step_.first_friction; i < n; ++i) change.friction[i - step_.first_friction] = z_(i, j);
   }
   both_.setZero(2 * dof, count);
   apply(end_by_start_, start_.data(), both_.data(), count);
@@ -405,6 +406,7 @@ void SpatialStepLinearization::pull(double* q, double* v, const ImpulseChange* i
       of_z[place.tangent] += impulses->tangent[step_.contacts[k]];
       of_z[place.tangent + 1] += impulses->across[step_.contacts[k]];
     }
+    if (impulses != nullptr) of_z.tail(n - step_.first_friction) += impulses->friction;
     double* const by_w = by_step_.data() + dof + joints;
     consistent_ = sensitivity_.adjoint(of_z, by_w, by_w + n, by_w + 2 * n) && consistent_;
     for (Index i = 0; i < n; ++i) apply_transposed(rows_[at(i)], by_w[i], x_.data());

@@ -285,10 +285,7 @@ void StepLinearization::push(const std::vector<StepPart>& parameters, DirectionB
 void StepLinearization::push_contacts(Index count, std::vector<ImpulseChange>* impulses) {
   const StepTrace& step = *step_;
   const Index dof = system_.dof(), joints = system_.joint_rows(), rows = step.rows;
-  for (Index j = 0; j < count && impulses != nullptr; ++j) {
-    (*impulses)[at(j)].normal.setZero(system_.contacts());
-    (*impulses)[at(j)].tangent.setZero(system_.contacts());
-  }
+  for (Index j = 0; j < count && impulses != nullptr; ++j) (*impulses)[at(j)].clear(system_);
   if (rows == 0) return;
   double* const w = rho_.data() + (dof + joints) * count;
   for (Index i = 0; i < rows; ++i) add_rate(rows_[at(i)], 1, solved_.data(), count, w + i * count);
@@ -296,12 +293,14 @@ void StepLinearization::push_contacts(Index count, std::vector<ImpulseChange>* i
   const double* const hi = step.first_friction < rows ? w + rows * count : nullptr;
   consistent_ = sensitivity_.tangent(w, hi, w + 2 * rows * count, count, z_.data()) && consistent_;
   add_response(count);
-  for (Index j = 0; j < count && impulses != nullptr; ++j)
+  for (Index j = 0; j < count && impulses != nullptr; ++j) {
+    ImpulseChange& change = (*impulses)[at(j)];
     for (std::size_t k = 0; k < places_.size(); ++k) {
-      ImpulseChange& change = (*impulses)[at(j)];
       if (places_[k].normal >= 0) change.normal[step.contacts[k]] = z_(places_[k].normal, j);
       if (places_[k].tangent >= 0) change.tangent[step.contacts[k]] = z_(places_[k].tangent, j);
     }
+    for (Index i = step.first_friction; i < rows; ++i) change.friction[i - step.first_friction] = z_(i, j);
+  }
 }
 
 // solved_ += B Jᵀ z_: row by row where fewer of them change than there are columns.
@@ -340,6 +339,7 @@ void StepLinearization::pull(double* q, double* v, const ImpulseChange* impulses
       if (places_[k].normal >= 0) of_z[places_[k].normal] += impulses->normal[step.contacts[k]];
       if (places_[k].tangent >= 0) of_z[places_[k].tangent] += impulses->tangent[step.contacts[k]];
     }
+    if (impulses != nullptr) of_z.tail(rows - step.first_friction) += impulses->friction;
     double* const by_w = by_step_.data() + dof + joints;
     consistent_ = sensitivity_.adjoint(of_z, by_w, by_w + rows, by_w + 2 * rows) && consistent_;
     for (Index i = 0; i < rows; ++i) apply_transposed(rows_[at(i)], by_w[i], of_v.data());

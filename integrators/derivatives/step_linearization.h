@@ -45,10 +45,15 @@ struct StepTrace {
   void take(const MoreauJean& integrator, const State& x, double h, const State& after);
 };
 
-/// Impulses of contacts: their changes in a tangent, the weights of a scalar in an adjoint. One entry a contact [N s].
-/// across: of the second tangent, in space.
+/// Impulses: their changes in a tangent, the weights of a scalar in an adjoint.
 struct ImpulseChange {
-  Eigen::VectorXd normal, tangent, across;
+  Eigen::VectorXd normal, tangent, across;  // one entry a contact [N s]; across: of the second tangent, in space
+  Eigen::VectorXd friction;                 // one entry a dry friction in joints [N s, N m s]
+
+  template <class Space> void clear(const SystemOf<Space>& system) {
+    for (auto* part : {&normal, &tangent, &across}) part->setZero(system.contacts());
+    friction.setZero(std::ssize(system.scene().frictions));
+  }
 };
 
 /// Throws std::runtime_error for tangents or adjoints that are not finite any more, of a step from t on.

@@ -37,7 +37,7 @@ TEST_CASE("adjoint of a run: the slider-crank through its impacts, states, gaps 
 
 TEST_CASE("adjoint of a run: springs, dampers, a drive, dry friction, loads, a belt, tangential restitution") {
   check_reverse(kArmBallAndFlap, arm_ball_and_flap_parameters(), {.step = 1e-3, .duration = 0.8},
-                {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}}, 1e-7);
+                {{Kind::state, 5}, {Kind::normal, 0}, {Kind::gap, 0}, {Kind::energy, 0}, {Kind::friction, 0}}, 1e-7);
 }
 
 TEST_CASE("columns of a run: gaps and impulses of contacts, by central differences of runs") {

@@ -37,40 +37,82 @@ struct TangentTrial {
   double step = 1e-6;  // of the value, or by itself: small enough for the pattern, large enough for rounding
 };
 
-inline Run run_by(const System& system, const StepScheme& scheme, Solver& solver, const Clock& clock) {
+inline Run run_by(const System& system, const StepScheme& scheme, Solver& solver, const Clock& clock,
+                  const RecorderOf<Planar>& record = {}) {
   return std::visit(
       [&]<class Options>(const Options& options) {
         typename StepSchemeOf<Options>::Integrator integrator(system, options);
-        return simulate(integrator, solver, clock);
+        return simulate(integrator, solver, clock, record);
       },
       scheme);
 }
 
-/// The tangents of all keys, and central differences of runs.
+/// The energy, and the impulses of dry friction in joints.
+template <class Space> std::vector<RunColumn> energy_and_frictions(const SystemOf<Space>& system) {
+  std::vector<RunColumn> columns = {{RunColumn::Kind::energy, 0}};
+  for (Index i = 0; i < std::ssize(system.scene().frictions); ++i) columns.push_back({RunColumn::Kind::friction, i});
+  return columns;
+}
+
+/// Their values at the end of a run with one record, which are those since the start.
+template <class Space> class EnergyAndFrictions {
+ public:
+  explicit EnergyAndFrictions(const SystemOf<Space>& system) : system_(system) {}
+  void take(const RunSampleOf<Space>& moment) {
+    values.resize(1 + std::ssize(moment.frictions));
+    values[0] = energy(system_, moment.state);
+    for (std::size_t i = 0; i < moment.frictions.size(); ++i) values[1 + static_cast<Index>(i)] = moment.frictions[i];
+  }
+  Eigen::VectorXd values;
+
+ private:
+  const SystemOf<Space>& system_;
+};
+
+/// The derivatives `by` of energy_and_frictions against their differences; dv: of the velocities at the end.
+template <class Space> void check_energy_and_frictions(const SystemOf<Space>& system, const State& end,
+                                                       const Eigen::VectorXd& dv, const Eigen::VectorXd& by,
+                                                       const Eigen::VectorXd& difference, double tolerance) {
+  // Parts of the energy's change cancel: their size is that of the kinetic energy's.
+  const double parts = system.mass().cwiseProduct(end.v).cwiseProduct(dv).template lpNorm<1>();
+  CHECK(std::abs(by[0] - difference[0]) <= tolerance * (std::abs(difference[0]) + parts));
+  for (Index i = 1; i < by.size(); ++i)
+    CHECK(std::abs(by[i] - difference[i]) <= tolerance * (1 + std::abs(difference[i])));
+}
+
+/// The tangents of all keys, of state, energy and dry friction, and central differences of runs.
 inline RunTangent check_tangents(const MakeScene& make, const std::vector<TangentTrial>& trials, const Clock& clock,
                                  double tolerance, const StepScheme& scheme = {}) {
+  Clock ends = clock;
+  ends.every = 1000000;
   std::vector<RunParameter> parameters;
   for (const TangentTrial& trial : trials)
     parameters.push_back({trial.key, trial.value, [&](double x) { return make({override_text(trial.key, x)}); }});
   const System system(make({}));
   const auto solver = make_solver("auto");
-  RunTangent tangent = differentiate_run(system, parameters, scheme, *solver, clock);
+  Eigen::MatrixXd by;
+  RunTangent tangent =
+      differentiate_run(system, parameters, scheme, *solver, ends, energy_and_frictions(system),
+                        [&](double, const Eigen::VectorXd&, const Eigen::MatrixXd& derivatives) { by = derivatives; });
   REQUIRE(tangent.run.status == Status::solved);
   for (std::size_t j = 0; j < trials.size(); ++j) {
     INFO(trials[j].key);
     const double step = trials[j].step * (trials[j].value != 0 ? std::abs(trials[j].value) : 1);
     State end[2];
+    Eigen::VectorXd values[2];
     for (int k = 0; k < 2; ++k) {
       const System other(make({override_text(trials[j].key, trials[j].value + (k == 0 ? -step : step))}));
-      const Run run = run_by(other, scheme, *solver, clock);
+      EnergyAndFrictions<Planar> last(other);
+      const Run run = run_by(other, scheme, *solver, ends, [&](const RunSample& moment) { last.take(moment); });
       REQUIRE(run.status == Status::solved);
-      end[k] = run.final;
+      end[k] = run.final, values[k] = last.values;
     }
     const Eigen::VectorXd q = (end[1].q - end[0].q) / (2 * step), v = (end[1].v - end[0].v) / (2 * step);
     const auto column = static_cast<Index>(j);
     CHECK((q - tangent.q.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * q.lpNorm<Eigen::Infinity>());
     CHECK((v - tangent.v.col(column)).lpNorm<Eigen::Infinity>() <= tolerance * v.lpNorm<Eigen::Infinity>());
     CHECK(v.lpNorm<Eigen::Infinity>() > 0);
+    check_energy_and_frictions(system, end[0], v, by.col(column), (values[1] - values[0]) / (2 * step), tolerance);
   }
   return tangent;
 }

@@ -54,6 +54,10 @@ point_b = [0.05, 0, -0.1]
 stiffness = 5
 damping = 0.05
 rest = 0.2
+[[friction]]
+name = "brake"
+joint = "left"
+bound = 1e-3
 [[contact]]
 type = "rim-wall"
 name = "rim"
@@ -94,9 +98,10 @@ std::vector<SpatialParameter> of_table() {
 TEST_CASE("adjoint of a run in space: states, gaps and impulses of many records, by tangents") {
   const SystemOf<Spatial> system(spatial_from_text(kTable));
   const Clock clock{.step = 1e-3, .duration = 0.1503, .every = 7};
-  const std::vector<RunColumn> columns = {{Kind::state, 0},  {Kind::state, 5},   {Kind::state, 12}, {Kind::state, 13},
-                                          {Kind::state, 30}, {Kind::state, 37},  {Kind::gap, 0},    {Kind::gap, 1},
-                                          {Kind::normal, 0}, {Kind::tangent, 0}, {Kind::across, 1}};
+  const std::vector<RunColumn> columns = {{Kind::state, 0},   {Kind::state, 5},   {Kind::state, 12}, {Kind::state, 13},
+                                          {Kind::state, 30},  {Kind::state, 37},  {Kind::gap, 0},    {Kind::gap, 1},
+                                          {Kind::normal, 0},  {Kind::tangent, 0}, {Kind::across, 1}, {Kind::energy, 0},
+                                          {Kind::friction, 0}};
   const auto solver = make_solver("auto");
   const auto parameters = of_table();
   const auto weights = [](long record, bool last, Eigen::MatrixXd& W) {

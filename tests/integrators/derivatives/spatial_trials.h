@@ -70,13 +70,16 @@ struct SpatialTrial {
   bool scenes_of_start = false;          // start entries by scenes, not as entries
 };
 
-/// Every parameter's tangent at the end of the run, against central differences of runs.
+/// Every parameter's tangent at the end of the run, of state, energy and dry friction, against central differences of
+/// runs.
 inline RunTangent check_spatial(const spatial::Scene& base, std::vector<SpatialParameter> parameters,
                                 const Clock& clock, const SpatialTrial& trial = {},
                                 const MoreauJeanOptions& options = {}) {
   const SystemOf<Spatial> system(base);
   const auto solver = make_solver("auto");
   const auto columns = state_columns(system);
+  auto asked_columns = columns;
+  for (const RunColumn& column : energy_and_frictions(system)) asked_columns.push_back(column);
   std::vector<SpatialParameter> asked = parameters;
   for (SpatialParameter& p : asked) {
     if (p.start < 0) continue;
@@ -88,28 +91,35 @@ inline RunTangent check_spatial(const spatial::Scene& base, std::vector<SpatialP
   Clock ends = clock;
   ends.every = 1000000;
   Eigen::MatrixXd by;
-  RunTangent tangent = differentiate_run(system, asked, options, *solver, ends, columns,
+  RunTangent tangent = differentiate_run(system, asked, options, *solver, ends, asked_columns,
                                          [&](double, const Eigen::VectorXd&, const Eigen::MatrixXd& x) { by = x; });
   REQUIRE(tangent.run.status == Status::solved);
   for (std::size_t j = 0; j < parameters.size(); ++j) {
     INFO(parameters[j].name);
     const double value = parameters[j].value, step = trial.step * (value != 0 ? std::abs(value) : 1);
-    Eigen::VectorXd end[2];
+    Eigen::VectorXd end[2], others[2];
+    State state;
     for (int k = 0; k < 2; ++k) {
       const SystemOf<Spatial> other(parameters[j].scene(value + (k == 0 ? -step : step)));
       MoreauJeanOf<Spatial> integrator(other, options);
-      const Run run = simulate(integrator, *solver, ends);
+      EnergyAndFrictions<Spatial> last(other);
+      const Run run =
+          simulate(integrator, *solver, ends, [&](const RunSampleOf<Spatial>& moment) { last.take(moment); });
       REQUIRE(run.status == Status::solved);
+      others[k] = last.values, state = run.final;
       ColumnSlopesOf<Spatial> values(other, columns);
       end[k].resize(std::ssize(columns));
       for (std::size_t i = 0; i < columns.size(); ++i) end[k][static_cast<Index>(i)] = values.value(i, run.final);
     }
     const Eigen::VectorXd difference = (end[1] - end[0]) / (2 * step);
     const double most = difference.lpNorm<Eigen::Infinity>();
-    const double off = (difference - by.col(static_cast<Index>(j))).lpNorm<Eigen::Infinity>();
+    const auto column = by.col(static_cast<Index>(j));
+    const double off = (difference - column.head(difference.size())).lpNorm<Eigen::Infinity>();
     INFO("off by ", off / most, " of ", most);
     CHECK(off <= trial.tolerance * most);
     CHECK(most > 0);
+    check_energy_and_frictions(system, state, Eigen::VectorXd(tangent.v.col(static_cast<Index>(j))),
+                               column.tail(others[0].size()), (others[1] - others[0]) / (2 * step), trial.tolerance);
   }
   return tangent;
 }
