@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -30,8 +29,7 @@ template <class Space> SceneIn<Space> make_in(const SceneSource& source, const s
 
 std::string exactly(double x) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.17g", x);
-  return text;
+  return std::string(text, std::to_chars(text, text + sizeof text, x).ptr);
 }
 
 /// "corners[0][1]" → "corners", {0, 1}.

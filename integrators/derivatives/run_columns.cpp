@@ -28,6 +28,20 @@ void SharedSteps::append_words(bool impulses, std::vector<std::string>& warnings
                        "shares, only sums are determined");
 }
 
+void JumpingTangents::append_words(const SystemOf<Spatial>& system, const std::vector<RunColumn>& columns,
+                                   std::vector<std::string>& warnings) const {
+  for (const int contact : contacts_) {
+    const auto along = [contact](const RunColumn& c) {
+      return c.place == contact && (c.kind == RunColumn::Kind::tangent || c.kind == RunColumn::Kind::across);
+    };
+    if (std::ranges::none_of(columns, along)) continue;
+    const auto& name = std::visit([](const auto& c) { return c.name; }, system.scene().contacts[at(contact)]);
+    warnings.push_back("impulse_t1 and impulse_t2 of the contact '" + name +
+                       "' have no derivative: two components of its normal are as small, where the tangents jump to "
+                       "other axes as it turns; the numbers are those along the tangents of this run");
+  }
+}
+
 RunSteps::RunSteps(const Clock& clock) : step(clock.step), duration(clock.duration), every(clock.every) {
   whole = static_cast<long>(std::floor(duration / step * (1 + 1e-12) + 1e-9));
   rest = duration - static_cast<double>(whole) * step;

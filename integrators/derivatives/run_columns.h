@@ -7,6 +7,7 @@
 #include <orthant/integrators/simulate.h>
 
 #include <array>
+#include <set>
 #include <span>
 #include <string>
 #include <variant>
@@ -68,6 +69,18 @@ class SharedSteps {
 
  private:
   std::array<long, 3> steps_{};
+};
+
+/// Contacts whose first tangents jump in some step, in space.
+class JumpingTangents {
+ public:
+  void take(const std::vector<int>& contacts) { contacts_.insert(contacts.begin(), contacts.end()); }
+  /// Says so of those whose impulses along the tangents are among the columns.
+  void append_words(const SystemOf<Spatial>& system, const std::vector<RunColumn>& columns,
+                    std::vector<std::string>& warnings) const;
+
+ private:
+  std::set<int> contacts_;
 };
 
 /// Steps of a run, as simulate() takes them; records stand at the start, every so many steps and at the end.

@@ -55,6 +55,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
   };
   State before;
   SharedSteps shared;
+  JumpingTangents jumps;
   std::vector<int> touching;  // at the start
   bool begun = false;
   Clock each = clock;
@@ -84,12 +85,14 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       note_degenerate(before.t, linear.degenerate(), step == 0 ? touching : std::vector<int>(), result.degenerate);
       result.inconsistent += !linear.consistent();
       shared.take(linear.sharing());
+      if constexpr (!kPlanar<Space>) jumps.take(linear.jumping());
       ++step;
     }
     before = moment.state;
     if (record && steps.recorded(step)) write(moment.state);
   });
   shared.append_words(slopes.any_impulse(), result.warnings);
+  if constexpr (!kPlanar<Space>) jumps.append_words(system, columns, result.warnings);
   result.q = dq, result.v = dv;
   return result;
 }

@@ -128,6 +128,12 @@ Vector3d tangent_axis(const SystemOf<Spatial>& system, int contact, const Kinema
   return Vector3d::Unit(axis);
 }
 
+bool tangents_jump(const Vector3d& normal) {
+  std::array<double, 3> sizes = {std::abs(normal.x()), std::abs(normal.y()), std::abs(normal.z())};
+  std::ranges::sort(sizes);
+  return sizes[1] - sizes[0] <= 1e-9;
+}
+
 SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at,
                          const Vector3d* axis) {
   return surface_rows(contact_of(system, contact), system.law(contact), at, axis);

@@ -29,6 +29,8 @@ SurfaceRows surface_rows(const SystemOf<Spatial>& system, int contact, const Kin
                          const Vector3d* axis = nullptr);
 /// The coordinate axis that t1 of the contact is nearest to.
 Vector3d tangent_axis(const SystemOf<Spatial>& system, int contact, const KinematicsOf<Spatial>& at);
+/// Whether perpendicular() jumps at this normal: its two least components are equal within rounding.
+bool tangents_jump(const Vector3d& normal);
 
 struct SurfaceSlopes {
   std::array<RowSlopeOf<Spatial>, SurfaceRows::kMost> rows;

@@ -246,7 +246,7 @@ void SpatialStepLinearization::find_pattern() {
 }
 
 void SpatialStepLinearization::set_up(const Trace& given) {
-  degenerate_.clear(), consistent_ = true, sharing_ = Sharing::unique;
+  degenerate_.clear(), jumping_.clear(), consistent_ = true, sharing_ = Sharing::unique;
   extend(given);
   const State& x = step_.before;
   const double a = options_.theta, theta = options_.theta, h = step_.h;
@@ -316,6 +316,11 @@ void SpatialStepLinearization::add_row(const Row& row, const RowSlopeOf<Spatial>
   if (e != 0) each_entry(row, [&](Index place, double j) { by_start_.push_back({out, dof + place, e * j}); });
 }
 
+bool SpatialStepLinearization::jumps(std::size_t k) const {
+  return step_.places[k].tangent >= 0 && !system_.law(step_.contacts[k]).surface.orthotropic() &&
+         tangents_jump(spatial::direction_of(surfaces_[k].rows[0]));
+}
+
 void SpatialStepLinearization::linearize_rows() {
   const Index dof = system_.dof(), joints = system_.joint_rows();
   const double a = options_.theta;
@@ -330,6 +335,8 @@ void SpatialStepLinearization::linearize_rows() {
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     if (step_.places[k].normal < 0) continue;
     slopes_of(system_, step_.contacts[k], terms_.at, all);
+    const auto turns = [](const Slope& s) { return s.of % Spatial::kVelocities < 3 && std::abs(s.value) > kTurn; };
+    if (jumps(k) && std::ranges::any_of(all.rows[0], turns)) jumping_.push_back(step_.contacts[k]);
     each_row(k, [&](Index row, std::size_t i) {
       x_ = w_ + e_[row] * v;
       add_row(rows_[at(row)], all.rows[i], step_.z[row], x_, e_[row], dof + joints + row);

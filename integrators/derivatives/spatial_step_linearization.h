@@ -64,6 +64,8 @@ class SpatialStepLinearization {
     parameter(by_step_, by_projection_);
   }
   const std::vector<int>& degenerate() const { return degenerate_; }
+  /// Contacts whose tangents jump as their normals turn, by the pose or by a parameter: their sum is differentiated.
+  const std::vector<int>& jumping() const { return jumping_; }
   bool consistent() const { return consistent_; }
   Sharing sharing() const { return sharing_; }
 
@@ -78,6 +80,9 @@ class SpatialStepLinearization {
   void find_problem();
   void find_pattern();
   void note_degenerate(Index row);
+  static constexpr double kTurn = 1e-6;  // slope of a normal that turns: more than rounding
+  bool jumps(std::size_t k) const;       // closed contact k, where its normal turns
+  void note_jumps(const ParameterChangeOf<Spatial>& parameter);
   bool any_slides() const;
   void linearize_frames();
   void linearize_rows();
@@ -113,7 +118,7 @@ class SpatialStepLinearization {
   Solution solution_;
   Judge judge_;
   StepSensitivity sensitivity_;
-  std::vector<int> degenerate_;
+  std::vector<int> degenerate_, jumping_;
   bool consistent_ = true;
   Sharing sharing_ = Sharing::unique;
   Eigen::VectorXd force_, rate_, x_, q_end_, by_step_, by_projection_;

@@ -19,6 +19,7 @@ void SpatialStepLinearization::part_of(const ParameterChangeOf<Spatial>& paramet
   append_force_parts(parameter, system_, terms_, share_, step_.before.v, w_, part.step);
   law_parts(parameter, part.step);
   contact_parts(parameter, part.step);
+  note_jumps(parameter);
   element_parts(parameter, part.step);
 }
 
@@ -73,6 +74,16 @@ void SpatialStepLinearization::contact_parts(const ParameterChangeOf<Spatial>& p
     for (std::size_t e = 0; e < kEntries; ++e)
       if (const Index place = place_of_entry(surfaces_[k].rows[0], e); place >= 0) part.emplace_back(place, -d[e]);
     each_row(k, [&](Index row, std::size_t i) { part.emplace_back(rates + row, d[kEntries + i]); });
+  }
+}
+
+void SpatialStepLinearization::note_jumps(const ParameterChangeOf<Spatial>& parameter) {
+  for (std::size_t k = 0; k < step_.places.size(); ++k) {
+    const int contact = step_.contacts[k];
+    if (!std::ranges::binary_search(parameter.contacts, contact) || !jumps(k)) continue;
+    const Vector3d there = spatial::direction_of(surface_rows(parameter.other(), contact, terms_.at).rows[0]);
+    if ((there - spatial::direction_of(surfaces_[k].rows[0])).norm() > kTurn * parameter.step)
+      jumping_.push_back(contact);
   }
 }
 

@@ -246,10 +246,26 @@ mu = 0.3
   };
   refused("contact.f.corners[4][0]", "there is no such entry in [[-0.5, -0.25], ");
   refused("contact.f.corners[0]", "must be a number, or one of its entries by their places from 0");
-  refused("body.b.position[2]", "there is no such entry in [0, 0.29999999999999999]: places count from 0");
+  refused("body.b.position[2]", "there is no such entry in [0, 0.3]: places count from 0");
   refused("body.b.position[x]", "a place must be a whole number from 0 on, such as [0]");
-  refused("body.b.nothing", "no number is found at this key");
+  refused("body.b.nothing", "the [[body]] 'b' has no number 'nothing'");
+  refused("body.c.mass", "the scene has no [[body]] with the name 'c'");
+  refused("bodies.b.mass", "the scene has no [[bodies]]");
+  refused("gravty", "no number is found at this key");
+  refused("contact.f.mu[0]", "no array: must be written without a place");
+  refused("start.c.x", "no body has the name 'c': must be start.BODY.COLUMN");
   refused("contact.f.mu,contact.f.mu", "parameter 'contact.f.mu': is given twice: must be given once");
+
+  const auto no_column = [&](const std::string& column, const std::string& words) {
+    const Reply reply = folder.orthant("gradient box.toml --of " + column + " --wrt body.b.mass");
+    CHECK(reply.exit_code == 1);
+    INFO(reply.err);
+    CHECK(reply.err.find(words) != std::string::npos);
+  };
+  no_column("c.x", "no body, contact or friction has the name 'c'. must be BODY.COLUMN");
+  no_column("b.z", "column 'b.z': must be BODY.COLUMN");
+  no_column("t", "has no derivative: records stand at fixed times. must be");
+  no_column("penetration", "has no derivative: it measures errors of the step. must be");
 }
 
 TEST_CASE("orthant gradient: derivatives that exceed the range of numbers, and grazes, are errors with a reason") {

@@ -290,3 +290,47 @@ wall = {point = [0, 0, 0], normal = [0, 0, 1]}
       text, {"contact.floor.mu=0.2", "contact.floor.mu_across=0.1", "contact.floor.direction=[1, 0, 0]"}));
   CHECK_THROWS_AS(differentiate_run(grooved, {}, {}, *solver, clock, {{Kind::across, 0}}), std::invalid_argument);
 }
+
+TEST_CASE("derivatives of a run in space: impulses along tangents that jump as the normal turns are named") {
+  const std::string text = R"(
+dimension = 3
+gravity = [0, 0, -9.81]
+[[body]]
+name = "b"
+mass = 1
+inertia = [0.004, 0.006, 0.007]
+position = [0, 0, 0.1]
+velocity = [1, 0, 0]
+[[contact]]
+name = "c"
+type = "sphere-wall"
+body = "b"
+radius = 0.1
+wall = {normal = [0, 0, 1]}
+mu = 0.3
+)";
+  const auto by_normal = [&](double x, double y) {
+    return by_change(text, "wall.normal.x", x, [y](spatial::Scene& s, double to) {
+      std::get<spatial::SpherePlane>(s.contacts[0]).wall.normal = Vector3d(to, y, 1).normalized();
+    });
+  };
+  const auto solver = make_solver("auto");
+  const Clock clock{.step = 1e-3, .duration = 0.02};
+  const auto warned = [&](const SpatialParameter& parameter, Kind kind) {
+    const SystemOf<Spatial> system(parameter.scene(parameter.value));
+    const std::vector<RunColumn> columns = {{kind, 0}};
+    const auto forward = differentiate_run(system, {parameter}, MoreauJeanOptions{}, *solver, clock, columns);
+    const auto reverse =
+        differentiate_run_reverse(system, {parameter}, MoreauJeanOptions{}, *solver, clock, columns, 1, weigh_last());
+    const auto jumps = [](const std::vector<std::string>& warnings) {
+      return std::ranges::any_of(warnings, [](const auto& w) { return w.find("'c' have no derivative") != w.npos; });
+    };
+    CHECK(jumps(forward.warnings) == jumps(reverse.warnings));
+    return jumps(forward.warnings);
+  };
+  CHECK(warned(by_normal(0, 0), Kind::tangent));
+  CHECK(warned(by_normal(0, 0), Kind::across));
+  CHECK_FALSE(warned(by_normal(0, 0), Kind::normal));
+  CHECK_FALSE(warned(by_normal(0, 0.1), Kind::tangent));
+  CHECK_FALSE(warned(by_key(text, "body.b.mass", 1), Kind::tangent));
+}
