@@ -28,7 +28,7 @@ Tangents edge_of(double mu, const Tangents& along, Index j, Index n) {
 /// The direction of a slip; any, where there is none.
 Tangents direction_of_slip(const Tangents& slip) {
   const double size = size_of(slip);
-  return size > kStickSpeed ? Tangents(slip.first / size, slip.second / size) : Tangents(1, 0);
+  return size > kStickSpeed ? Tangents{slip.first / size, slip.second / size} : Tangents{1, 0};
 }
 
 /// Velocities that normal impulses begin, by a few Jacobi iterations without friction and joints: a contact that does
