@@ -311,7 +311,7 @@ mu = 0.3
 )";
   const auto by_normal = [&](double x, double y) {
     return by_change(text, "wall.normal.x", x, [y](spatial::Scene& s, double to) {
-      std::get<spatial::SpherePlane>(s.contacts[0]).wall.normal = Vector3d(to, y, 1).normalized();
+      std::get<spatial::SpherePlane>(s.contacts[0]).normal = Vector3d(to, y, 1).normalized();
     });
   };
   const auto solver = make_solver("auto");
