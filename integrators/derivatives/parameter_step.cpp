@@ -162,12 +162,14 @@ double clearance_of(const spatial::Contact& contact) {
   return 0;
 }
 
-/// [m] From b's centre to a's, in the world, of such a contact.
+/// [m] From b's centre, or its axis, to a's centre, in the world, of such a contact.
 template <class Space>
 typename Space::Vector offset_of(const typename ElementsOf<Space>::Contact& contact, const KinematicsOf<Space>& at) {
   return std::visit(
       [&](const auto& c) -> typename Space::Vector {
-        if constexpr (requires { c.centre_a, c.centre_b; })
+        if constexpr (requires { c.across(at); })
+          return c.across(at);
+        else if constexpr (requires { c.centre_a, c.centre_b; })
           return at.at(c.a).x + at.at(c.a).turn(c.centre_a) - at.at(c.b).x - at.at(c.b).turn(c.centre_b);
         else
           return Space::Vector::Zero();

@@ -33,7 +33,7 @@ struct SphereBush {
     return contact_rows(k, a, b, n, r_a - radius_a * n, foot - radius_b * n - k.at(b).x);
   }
 
- private:
+  /// d⊥, in the world.
   Vector3d across(const Kinematics& k) const {
     const Vector3d u = k.at(b).turn(axis_b);
     const Vector3d d = k.at(a).x + k.at(a).turn(centre_a) - k.at(b).x - k.at(b).turn(centre_b);
