@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <stdexcept>
 
 namespace orthant {
@@ -214,13 +213,13 @@ void MotionVariation::note_one_sided(const std::vector<Struck>& closed, const Ar
       slide = slide || s.slides != 0;
     }
     for (std::size_t i = 0; i < closed.size(); ++i) {
-      const auto apart = [&](std::size_t j) {
-        return touch_one_body(closed[i].contact, closed[j].contact) &&
+      const auto apart = [&](const Struck& other) {
+        const auto j = static_cast<std::size_t>(&other - closed.data());
+        return touch_one_body(closed[i].contact, other.contact) &&
                std::abs(gaps[i] * falls[j] - gaps[j] * falls[i]) >
                    kTilt * (std::abs(gaps[i] * falls[j]) + std::abs(gaps[j] * falls[i]));
       };
-      const auto all = std::views::iota(std::size_t{0}, closed.size());
-      if (from_rest[i] != 0 && std::ranges::any_of(all, apart)) list(tilted, closed[i].contact);
+      if (from_rest[i] != 0 && std::ranges::any_of(closed, apart)) list(tilted, closed[i].contact);
     }
     for (std::size_t i = closed.size(); i < touching.size(); ++i) {
       const double change = changes_of(touching[i])[0];

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace orthant {
 /// Before an impact at contact c.
@@ -44,10 +43,11 @@ bool EventDriven::accumulates() {
 /// its own impact follows, with the contacts of the series closed and at rest.
 bool EventDriven::strikes_after_series() {
   const double t = start_ + elapsed_;
-  const auto outside = [&](int c) { return bounces_[at(c)].last == t && !bounces_[at(c)].over; };
-  const auto all = std::views::iota(0, system_.contacts());
-  return std::ranges::any_of(all, outside) && observe(now_, t) && std::ranges::any_of(all, [&](int c) {
-           return outside(c) && now_.w.gap_rate[c] < -speed_zero(now_.w.gap_rate_scale[c]);
+  const auto outside = [t](const Bounces& b) { return b.last == t && !b.over; };
+  return std::ranges::any_of(bounces_, outside) && observe(now_, t) &&
+         std::ranges::any_of(bounces_, [&](const Bounces& b) {
+           const Index c = &b - bounces_.data();
+           return outside(b) && now_.w.gap_rate[c] < -speed_zero(now_.w.gap_rate_scale[c]);
          });
 }
 

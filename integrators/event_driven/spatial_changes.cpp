@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace orthant {
 namespace {
@@ -64,14 +63,12 @@ bool SpatialEventDriven::change(Solver& solver, const std::optional<Sign>& event
     const bool plastic = accumulates();
     if (!impact(solver, plastic, report)) return false;
     // A contact that struck now, but has no part in the series that ends, has its own impact after it.
-    const auto outside = [&](int c) {
-      const DatedBounces& b = bounces_[static_cast<std::size_t>(c)];
-      return b.last == time_ && !b.over;
-    };
-    const auto all = std::views::iota(0, system_.contacts());
-    const bool again =
-        plastic && std::ranges::any_of(all, outside) && observe(now_, time_) &&
-        std::ranges::any_of(all, [&](int c) { return outside(c) && now_.w.gap_rate[c] < -rate_zero(c); });
+    const auto outside = [this](const DatedBounces& b) { return b.last == time_ && !b.over; };
+    const bool again = plastic && std::ranges::any_of(bounces_, outside) && observe(now_, time_) &&
+                       std::ranges::any_of(bounces_, [&](const DatedBounces& b) {
+                         const auto c = static_cast<int>(&b - bounces_.data());
+                         return outside(b) && now_.w.gap_rate[c] < -rate_zero(c);
+                       });
     if (again && !impact(solver, false, report)) return false;
   }
   next_ = 0;
