@@ -267,10 +267,11 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
              duration: Optional[float] = None, every: int = 1) -> RunGradient:
     """Derivatives of a run: by moreau-jean, in the plane also rattle, those of the discrete run, step by step, impacts
     included; in the plane by event-driven those of the motion itself (variational equations and saltation; forward, of
-    bodies and gaps).
+    bodies, gaps and the energy).
 
     of: a column, of a body "crank.theta", BODY.x, y, theta, vx, vy or omega; of a contact CONTACT.gap, impulse_n,
-    impulse_t. In space BODY.x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy or wz, and impulse_t1, impulse_t2.
+    impulse_t; of a dry friction in a joint FRICTION.impulse; "energy". In space BODY.x, y, z, qw, qx, qy, qz, vx, vy,
+    vz, wx, wy or wz, and impulse_t1, impulse_t2.
     wrt: parameters: keys with a number, of a built-in scene its options, "mu", else key paths of the scene's text,
     "body.rod.mass", "contact.corner1.mu", entries of arrays by their place, "body.rod.position[0]"; and of the start
     "start.BODY.x", ... "start.BODY.omega", in space "start.BODY.x", y, z, rx, ry, rz (a turn about an axis of the
