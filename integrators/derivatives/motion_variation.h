@@ -86,6 +86,20 @@ class MotionVariation {
     double tangent, bound;
   };
 
+  struct ClosedContact {  // at the start
+    Struck contact;
+    bool begins = false;  // to slide, from rest
+    bool grips = false;   // holds against a force
+    double fall = 0;      // [m/s²] of its gap, all of them open
+  };
+  struct StartChange {                    // by one parameter: the names of contacts
+    std::string contacts;                 // all that change
+    std::string opened, sunk, gripped;    // by gaps; those that hold among them
+    std::string rising, falling, tilted;  // by rates; those that begin to slide on a body which tilts
+    bool slides = false, begins = false;  // some of them
+    bool redundant = false;               // no motion closes all gaps again
+  };
+
   template <class F> void each(F&& f) {
     for (std::size_t j = 0; j < directions_.size(); ++j) {
       const auto column = static_cast<Eigen::Index>(j);
@@ -102,6 +116,11 @@ class MotionVariation {
   void start(const Arc& first);
   void follow(const Arc& arc);
   void note_one_sided(const std::vector<Struck>& closed, const Arc& first);
+  std::vector<ClosedContact> look_at(const std::vector<Struck>& closed, const Arc& first);
+  std::vector<Struck> relieved_by(const std::vector<Struck>& closed, const Arc& first);
+  StartChange change_of_start(const VariedDirection& d, const Eigen::VectorXd& dq, const Eigen::VectorXd& dv,
+                              const std::vector<ClosedContact>& closed, const std::vector<Struck>& relieved);
+  void say(const std::string& parameter, const StartChange& change, bool damped);
   bool parts_redundant(const std::vector<Struck>& closed, const std::vector<double>& gaps);
   bool touch_one_body(int one, int other) const;  // two contacts
   bool begins_from_rest(int contact, const Arc& first);
