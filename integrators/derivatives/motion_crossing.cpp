@@ -213,11 +213,11 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
     crossed.moves.push_back(moves);
     const double from = std::max({guard, dq.template lpNorm<Eigen::Infinity>(), dv.template lpNorm<Eigen::Infinity>()});
     const Eigen::VectorXd from_q = dq + moves * before_.v1, from_v = dv + moves * before_.a1;
-    double missed = 0;
+    std::vector<double> missed;
     map(d, before_.q1, before_.v1, from_q, from_v, dq, dv,
         [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
           near.set_modes(before_.modes);
-          if (!crossing.struck.empty()) missed = std::max(missed, near.strike(crossing.struck, now(), q, v));
+          if (!crossing.struck.empty()) missed.push_back(near.strike(crossing.struck, now(), q, v));
           if (!falls_back.empty()) near.strike(falls_back, now(), q, v);
           near.set_modes(after.modes);
           near.project(now(), q, v);
@@ -242,12 +242,20 @@ void MotionVariation::reset(const Crossing& crossing, const Arc& after) {
   for (const Struck& s : crossing.struck) struck_at_[static_cast<std::size_t>(s.contact)] = now();
 }
 
-/// missed: [m/s] what nearby impacts leave of their rates, of contacts that depend on each other here.
+/// missed: [m/s] what nearby impacts leave of their rates, of contacts that depend on each other here; four of a
+/// difference. What grows with the square of the change does not part them.
 bool MotionVariation::parts_struck(const VariedDirection& d, const Eigen::VectorXd& dq, const Eigen::VectorXd& dv,
-                                   double missed) const {
-  constexpr double kParts = 1e-5, kOfSpeed = 1e-12;  // of the change; rounding
+                                   std::span<const double> missed) const {
+  constexpr double kParts = 1e-4, kOfSpeed = 1e-12;  // of the change; rounding
+  double linear = 0;
+  for (std::size_t k = 0; k + 4 <= missed.size(); k += 4) {
+    const auto grows = [&](std::size_t near, std::size_t far) {
+      linear = std::max(linear, std::abs(4 * missed[k + near] - missed[k + far]) / 2);
+    };
+    d.change.side != 0 ? grows(1, 2) : (grows(1, 0), grows(2, 3));
+  }
   const double step = d.moved(dq, dv, before_.v1), speed = 1 + before_.v1.lpNorm<Eigen::Infinity>();
-  return missed > kParts * step * std::max(1e-3, dv.lpNorm<Eigen::Infinity>()) + kOfSpeed * speed;
+  return linear > kParts * step * std::max(1e-3, dv.lpNorm<Eigen::Infinity>()) + kOfSpeed * speed;
 }
 
 void MotionVariation::check_reset(const Crossing& crossing, const Arc& after) {

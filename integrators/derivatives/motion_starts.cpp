@@ -1,5 +1,6 @@
 // Contacts that are closed at the start of a motion: which parameters open or close them, and which side the derivative
 // is of (motion_tangent.h).
+#include <orthant/core/support/options.h>
 #include <orthant/integrators/derivatives/motion_variation.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@ namespace {
 constexpr double kUnmoved = 1e-9;   // of a direction: its change of a gap
 constexpr double kUnloaded = 1e-9;  // of the normal force: friction that holds against nothing
 constexpr double kTilt = 1e-6;      // of gaps' changes: closer ones are equal
+constexpr double kOverlaps = 1e-9;  // [m] and of the places: more than rounding
 constexpr double kTouches = 1e-12;  // [m, m/s] and of the places: gaps and rates of contacts that touch
 constexpr double kRounded = 1e-14;  // [m, m/s] of gaps and rates
 
@@ -39,6 +41,11 @@ void MotionVariation::start(const Arc& first) {
   std::vector<Struck> all = crossing.struck;
   all.insert(all.end(), closed.begin(), closed.end());
   if (all.empty()) return;
+  for (const Struck& s : all)
+    if (const double gap = base_.gap(s.contact, before_.start, before_.q1);
+        gap < -kOverlaps * (1 + base_.gap_scale(s.contact, before_.start, before_.q1)))
+      none("the contact " + name(s.contact) + " overlaps by " + detail::text_of(-gap) +
+           " m: the overlap stays, which is not differentiated");
   note_one_sided(all, first);
   if (!closed.empty())
     each([&](VariedDirection& d, auto dq, auto dv) {

@@ -137,7 +137,7 @@ class MotionVariation {
   void watch_grazes(const Arc& arc, std::span<const Event> at_end);
   void reset(const Crossing& crossing, const Arc& after);
   bool parts_struck(const VariedDirection& d, const Eigen::VectorXd& dq, const Eigen::VectorXd& dv,
-                    double missed) const;
+                    std::span<const double> missed) const;
   std::string names_of(const std::vector<Struck>& contacts) const;
   void check_reset(const Crossing& crossing, const Arc& after);
   double change_of_time(VariedDirection& d, const Crossing& crossing, const Eigen::VectorXd& rate,

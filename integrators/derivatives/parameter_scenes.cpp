@@ -147,6 +147,10 @@ template <class Space> void choose_scenes(const RunParameterOf<Space>& parameter
   };
   double step = first;
   std::optional<StepError> error = measured(step);
+  constexpr double kShorter[] = {1e-1, 1e-2, 1e-3, 1e-4};  // near the end of a range, but inside
+  for (const double part : kShorter)
+    if (!error || change.side != 0) error = measured(part * first), step = part * first;
+  if (!error || change.side != 0) error = measured(first), step = first;
   if (!error) refuse("the scene exists on neither side of its value, " + detail::text_of(parameter.value) + ": " + why);
   if (error->rounding >= 1 && step < of_zero) {  // a value of rounding only: as zero
     error = measured(of_zero);

@@ -109,14 +109,18 @@ template <class Space>
 void append_friction(const SystemOf<Space>& s, int friction, const KinematicsOf<Space>& at, std::vector<double>& to) {
   append(s.scene().frictions[static_cast<std::size_t>(friction)].of.row(at), to);
 }
-void append_contact(const System& s, int contact, const Kinematics& at, std::vector<double>& to) {
+void append_contact(const System& /*base*/, const System& s, int contact, const Kinematics& at,
+                    std::vector<double>& to) {
   const ContactRows rows =
       std::visit([&](const auto& one) { return one.rows(at); }, s.scene().contacts[static_cast<std::size_t>(contact)]);
   append(rows.normal, to), append(rows.tangent, to);
   to.push_back(gap_of(s, {}, contact, at));
 }
-void append_contact(const SystemOf<Spatial>& s, int contact, const KinematicsOf<Spatial>& at, std::vector<double>& to) {
-  const SurfaceRows rows = surface_rows(s, contact, at);
+/// By the first tangent's axis of `base`, as derivatives have it: it jumps where two components of a normal are equal.
+void append_contact(const SystemOf<Spatial>& base, const SystemOf<Spatial>& s, int contact,
+                    const KinematicsOf<Spatial>& at, std::vector<double>& to) {
+  const Vector3d axis = tangent_axis(base, contact, at);
+  const SurfaceRows rows = surface_rows(s, contact, at, &axis);
   for (const auto& row : rows.rows) append(row, to);
   to.insert(to.end(), rows.belt.begin(), rows.belt.end());
   to.push_back(gap_of(s, {}, contact, at));
@@ -194,7 +198,7 @@ template <class Space, class Samples> void take_all(const ParameterChangeOf<Spac
     if (!all && !of_one_formula(contact)) continue;
     const double clearance = clearance_of(contact);
     if (!(clearance > 0)) {
-      samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
+      samples.take([&](const Of& s, std::vector<double>& to) { append_contact(system, s, i, at, to); });
       continue;
     }
     const auto [a, b] = std::visit([](const auto& c) { return bodies_of(c); }, contact);
@@ -207,7 +211,7 @@ template <class Space, class Samples> void take_all(const ParameterChangeOf<Spac
       away.segment(Space::kVelocities * (a >= 0 ? a : b), way.size()) = a >= 0 ? way : -way;
       move<Space>(start.q, away, q);
       set_poses(system, start.t, q, at);
-      samples.take([&](const Of& s, std::vector<double>& to) { append_contact(s, i, at, to); });
+      samples.take([&](const Of& s, std::vector<double>& to) { append_contact(system, s, i, at, to); });
     }
     set_poses(system, start.t, start.q, at);
   }
@@ -280,7 +284,7 @@ void list_elements(const SystemOf<Spatial>& system, const SystemOf<Spatial>& oth
         return x != nullptr && y != nullptr && !(x->law.table.times().empty() && y->law.table.times().empty());
       });
   list(
-      base.contacts.size(), change.contacts, [&](const auto& s, int i, auto& to) { append_contact(s, i, at, to); },
+      base.contacts.size(), change.contacts, [&](const auto& s, int i, auto& to) { append_contact(s, s, i, at, to); },
       never);
   list(
       base.springs.size(), change.springs, [&](const auto& s, int i, auto& to) { append_spring(s, i, at, v, to); },

@@ -176,9 +176,11 @@ void RattleLinearization::solve_stage(Stage& stage, double bound) {
     throw std::runtime_error("derivatives of a step: at t = " + detail::text_of(step_->before.t) +
                              " s its contacts are not solved");
   stage.sensitivity.set_up(problem, solution);
-  for (const WeaklyActive& row : stage.sensitivity.weakly_active())
+  for (const WeaklyActive& row : stage.sensitivity.weakly_active()) {
+    if (row.row >= stage.first_friction) spent_.push_back(static_cast<int>(row.row - stage.first_friction));
     for (std::size_t k = 0; k < stage.normal.size(); ++k)
       if (stage.normal[k] == row.row || stage.tangent[k] == row.row) degenerate_.push_back(step_->contacts[k].contact);
+  }
 }
 
 // w₁ and its exact matrix.
@@ -205,7 +207,7 @@ void RattleLinearization::find_positions() {
 void RattleLinearization::set_up(const RattleTrace& step) {
   step_ = &step;
   const Index dof = system_.dof(), joints = system_.joint_rows();
-  degenerate_.clear(), consistent_ = true, any_at_surface_ = false;
+  degenerate_.clear(), spent_.clear(), consistent_ = true, any_at_surface_ = false;
   evaluate();
   number(position_, false), number(velocity_, true);
   carry_ = position_.push;

@@ -59,6 +59,7 @@ class RattleLinearization {
     parameter(by_, none_);
   }
   const std::vector<int>& degenerate() const { return degenerate_; }
+  const std::vector<int>& spent() const { return spent_; }
   bool consistent() const { return consistent_; }
   Sharing sharing() const {
     return position_.sensitivity.redundant() || velocity_.sensitivity.redundant() ? Sharing::impulses : Sharing::unique;
@@ -117,7 +118,7 @@ class RattleLinearization {
   std::vector<Row> carry_;                                    // C, one a row of the position stage
   std::vector<Slope> of_q_, of_v_, of_u_, of_end_, of_free_;  // of all equations
   std::vector<RowSlope> slopes_;
-  std::vector<int> degenerate_;
+  std::vector<int> degenerate_, spent_;
   bool consistent_ = true;
   Judge judge_;
   Eigen::VectorXd rho_, by_, one_q_, one_v_, z_dot_, none_, none_of_joints_, unused_, force_, rate_, x_, y_, joints_;

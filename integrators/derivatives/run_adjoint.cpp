@@ -119,6 +119,7 @@ template <class Space, class Options> class Adjoint {
             changes_[j].start_q.dot(q_.col(k)) + changes_[j].start_v.dot(v_.col(k));
     }
     shared_.append_words(slopes_.any_impulse(), result_.warnings);
+    spent_.append_words(system_, result_.warnings);
     if constexpr (!kPlanar<Space>) jumps_.append_words(system_, slopes_.columns(), result_.warnings);
     std::reverse(result_.degenerate.begin(), result_.degenerate.end());
   }
@@ -172,6 +173,7 @@ template <class Space, class Options> class Adjoint {
     note_degenerate(trace.before.t, linear_.degenerate(), k == 0 ? touching_ : std::vector<int>(), result_.degenerate);
     result_.inconsistent += !linear_.consistent();
     shared_.take(linear_.sharing());
+    spent_.take(linear_.spent(), trace.before.t);
     if constexpr (!kPlanar<Space>) jumps_.take(linear_.jumping());
   }
 
@@ -197,6 +199,7 @@ template <class Space, class Options> class Adjoint {
   std::vector<ParameterChangeOf<Space>> changes_;
   std::vector<StepPart> parts_;
   SharedSteps shared_;
+  SpentFrictions spent_;
   JumpingTangents jumps_;
   std::vector<int> touching_;  // contacts, at the start
   Eigen::MatrixXd W_;

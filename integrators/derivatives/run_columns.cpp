@@ -1,3 +1,4 @@
+#include <orthant/core/support/options.h>
 #include <orthant/integrators/derivatives/run_columns.h>
 #include <orthant/integrators/derivatives/spatial_row_slope.h>
 
@@ -26,6 +27,19 @@ void SharedSteps::append_words(bool impulses, std::vector<std::string>& warnings
     warnings.push_back("in " + std::to_string(of_impulses) +
                        " steps contacts share their impulses by the solver's choice: the derivatives are those of even "
                        "shares, only sums are determined");
+}
+
+void SpentFrictions::take(const std::vector<int>& frictions, double t) {
+  for (const int friction : frictions) {
+    const auto [place, is_new] = first_.emplace(friction, t);
+    if (!is_new) place->second = std::min(place->second, t);
+  }
+}
+
+std::string SpentFrictions::words_of(const std::string& name, double t) {
+  return "from t = " + detail::text_of(t) + " s the friction '" + name +
+         "' holds its joint with its whole bound: on one side of a change it slips, or other frictions take its part; "
+         "derivatives are those of a bound that is kept";
 }
 
 void JumpingTangents::append_words(const SystemOf<Spatial>& system, const std::vector<RunColumn>& columns,

@@ -7,6 +7,7 @@
 #include <orthant/integrators/simulate.h>
 
 #include <array>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -69,6 +70,20 @@ class SharedSteps {
 
  private:
   std::array<long, 3> steps_{};
+};
+
+/// Dry frictions in joints that hold with their whole bound in some steps.
+class SpentFrictions {
+ public:
+  void take(const std::vector<int>& frictions, double t);
+  template <class Space> void append_words(const SystemOf<Space>& system, std::vector<std::string>& warnings) const {
+    for (const auto& [friction, t] : first_)
+      warnings.push_back(words_of(system.scene().frictions[static_cast<std::size_t>(friction)].name, t));
+  }
+
+ private:
+  static std::string words_of(const std::string& name, double t);
+  std::map<int, double> first_;  // [s] begin of the step
 };
 
 /// Contacts whose first tangents jump in some step, in space.

@@ -55,6 +55,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
   };
   State before;
   SharedSteps shared;
+  SpentFrictions spent;
   JumpingTangents jumps;
   std::vector<int> touching;  // at the start
   bool begun = false;
@@ -85,6 +86,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       note_degenerate(before.t, linear.degenerate(), step == 0 ? touching : std::vector<int>(), result.degenerate);
       result.inconsistent += !linear.consistent();
       shared.take(linear.sharing());
+      spent.take(linear.spent(), before.t);
       if constexpr (!kPlanar<Space>) jumps.take(linear.jumping());
       ++step;
     }
@@ -92,6 +94,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
     if (record && steps.recorded(step)) write(moment.state);
   });
   shared.append_words(slopes.any_impulse(), result.warnings);
+  spent.append_words(system, result.warnings);
   if constexpr (!kPlanar<Space>) jumps.append_words(system, columns, result.warnings);
   result.q = dq, result.v = dv;
   return result;

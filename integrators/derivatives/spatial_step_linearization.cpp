@@ -236,7 +236,10 @@ void SpatialStepLinearization::find_pattern() {
   if (!has_answer(solution_.status)) refuse_step(step_.before.t, ": its impulses are not those of the contact laws");
   sensitivity_.set_up(problem_, solution_);
   if (sensitivity_.redundant()) sharing_ = any_slides() ? Sharing::motion : Sharing::impulses;
-  for (const WeaklyActive& row : sensitivity_.weakly_active()) note_degenerate(row.row);
+  for (const WeaklyActive& row : sensitivity_.weakly_active()) {
+    note_degenerate(row.row);
+    if (row.row >= step_.first_friction) spent_.push_back(static_cast<int>(row.row - step_.first_friction));
+  }
   for (std::size_t k = 0; k < step_.places.size(); ++k)
     if (const Index row = step_.places[k].normal;
         row >= 0 && step_.z[row] > 0 && turning_length(system_, step_.contacts[k], terms_.at) == 0)
@@ -246,7 +249,7 @@ void SpatialStepLinearization::find_pattern() {
 }
 
 void SpatialStepLinearization::set_up(const Trace& given) {
-  degenerate_.clear(), jumping_.clear(), consistent_ = true, sharing_ = Sharing::unique;
+  degenerate_.clear(), spent_.clear(), jumping_.clear(), consistent_ = true, sharing_ = Sharing::unique;
   extend(given);
   const State& x = step_.before;
   const double a = options_.theta, theta = options_.theta, h = step_.h;

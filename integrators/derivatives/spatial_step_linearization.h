@@ -64,6 +64,7 @@ class SpatialStepLinearization {
     parameter(by_step_, by_projection_);
   }
   const std::vector<int>& degenerate() const { return degenerate_; }
+  const std::vector<int>& spent() const { return spent_; }
   /// Contacts whose tangents jump as their normals turn, by the pose or by a parameter: their sum is differentiated.
   const std::vector<int>& jumping() const { return jumping_; }
   bool consistent() const { return consistent_; }
@@ -118,7 +119,7 @@ class SpatialStepLinearization {
   Solution solution_;
   Judge judge_;
   StepSensitivity sensitivity_;
-  std::vector<int> degenerate_, jumping_;
+  std::vector<int> degenerate_, spent_, jumping_;
   bool consistent_ = true;
   Sharing sharing_ = Sharing::unique;
   Eigen::VectorXd force_, rate_, x_, q_end_, by_step_, by_projection_;

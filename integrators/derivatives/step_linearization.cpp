@@ -124,7 +124,7 @@ void StepLinearization::form_extended(const StepTrace& given) {
 }
 
 void StepLinearization::set_up(const StepTrace& given) {
-  degenerate_.clear(), consistent_ = true, sharing_ = Sharing::unique;
+  degenerate_.clear(), spent_.clear(), consistent_ = true, sharing_ = Sharing::unique;
   extend(given);
   const StepTrace& step = *step_;
   const State& x = step.before;
@@ -178,9 +178,11 @@ void StepLinearization::set_up(const StepTrace& given) {
     if (shared) judge_.certify(step.problem, 1e-8, Claim::candidate, solution_);
     sensitivity_.set_up(step.problem, solution_);
     if (shared || sensitivity_.redundant()) sharing_ = Sharing::impulses;
-    for (const WeaklyActive& row : sensitivity_.weakly_active())
+    for (const WeaklyActive& row : sensitivity_.weakly_active()) {
+      if (row.row >= step.first_friction) spent_.push_back(static_cast<int>(row.row - step.first_friction));
       for (std::size_t k = 0; k < places_.size(); ++k)
         if (places_[k].normal == row.row || places_[k].tangent == row.row) degenerate_.push_back(step.contacts[k]);
+    }
     std::sort(degenerate_.begin(), degenerate_.end());
     degenerate_.erase(std::unique(degenerate_.begin(), degenerate_.end()), degenerate_.end());
   }

@@ -95,6 +95,8 @@ class StepLinearization {
 
   /// Of the last step: contacts with weakly active rows, and whether redundant contacts parted.
   const std::vector<int>& degenerate() const { return degenerate_; }
+  /// Dry frictions in joints that hold with their whole bound.
+  const std::vector<int>& spent() const { return spent_; }
   bool consistent() const { return consistent_; }
   Sharing sharing() const { return sharing_; }
 
@@ -125,7 +127,7 @@ class StepLinearization {
   std::vector<Slope> by_pose_, by_velocity_;  // of r by q_a and by v, but for M
   std::vector<RowSlope> slopes_;
   StepSensitivity sensitivity_;
-  std::vector<int> degenerate_;
+  std::vector<int> degenerate_, spent_;
   bool consistent_ = true;
   Sharing sharing_ = Sharing::unique;
   Judge judge_;

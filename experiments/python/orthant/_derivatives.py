@@ -292,7 +292,8 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
     if mode not in ("auto", "forward", "reverse") or (mode == "reverse" and at == "records"):
         raise ValueError(f"mode = {shown(mode)}: must be 'auto', 'forward' or, with at = 'end' or 'sum', 'reverse'")
     columns = [word("of", of)]
-    if mode == "reverse" or (mode == "auto" and at != "records" and len(parameters) > _REVERSE_FROM):
+    cheaper_back = at != "records" and len(parameters) > _REVERSE_FROM and not call.how[0].startswith("event-driven")
+    if mode == "reverse" or (mode == "auto" and cheaper_back):
         end, values, by, degenerate, inconsistent = call.reverse(columns, parameters, None, at == "sum")
         import numpy
 
