@@ -71,13 +71,13 @@ void MotionVariation::begin(const State& given) {
   before_.start = given.t, before_.length = 0, before_.modes = open;
   before_.q1 = given.q, before_.v1 = given.v, before_.a1.setZero(given.v.size());
   base_.set_modes(open);
-  base_.close(given.t, before_.q1, before_.v1);
+  base_.project(given.t, before_.q1, before_.v1);
   base_.accelerations(given.t, before_.q1, before_.v1, before_.a1);
   each([&](VariedDirection& d, auto dq, auto dv) {
     map(d, given.q, given.v, d.change.start_q, d.change.start_v, dq, dv,
         [&](NearbyMotion& near, Eigen::VectorXd& q, Eigen::VectorXd& v) {
           near.set_modes(open);
-          near.close(given.t, q, v);
+          near.project(given.t, q, v);
         });
   });
 }

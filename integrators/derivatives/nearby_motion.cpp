@@ -25,9 +25,9 @@ void NearbyMotion::set_modes(const std::vector<ContactMode>& modes) {
   motion_.modes_changed();
 }
 
-void NearbyMotion::close(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
-  q_end_ = v;
-  motion_.project(t, q, q_end_);  // the first one's velocities are those of the rows before
+void NearbyMotion::project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+  unused_ = v;
+  motion_.project(t, q, unused_);  // its velocities may be along the rows before: how far off decides, with a jump
   motion_.project(t, q, v);
 }
 
@@ -35,13 +35,13 @@ void NearbyMotion::close(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) {
 bool NearbyMotion::move(double t, double length, Eigen::VectorXd& q, Eigen::VectorXd& v) {
   const double least = std::min(length / 4, kInside * (std::abs(t) + length));
   const auto within = [&](double time) { return std::clamp(time, t + least, t + length - least); };
-  motion_.project(t, q, v);
+  project(t, q, v);
   if (!motion_.accelerations(within(t), q, v, first_)) return false;
   const auto acceleration = [&](double time, const Eigen::VectorXd& at_q, const Eigen::VectorXd& at_v,
                                 Eigen::VectorXd& a) { return motion_.accelerations(within(time), at_q, at_v, a); };
   if (!step_.step(acceleration, t, q, v, first_, length, q_end_, v_end_, [](std::size_t) {})) return false;
   q = q_end_, v = v_end_;
-  motion_.project(t + length, q, v);
+  project(t + length, q, v);
   return true;
 }
 

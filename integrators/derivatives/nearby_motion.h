@@ -24,10 +24,8 @@ class NearbyMotion {
   explicit NearbyMotion(const System& system);
 
   void set_modes(const std::vector<ContactMode>& modes);
-  /// Onto the joints and lasting contacts.
-  void project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v) { motion_.project(t, q, v); }
-  /// A start, as simulate() closes it: the velocities along the joints at the projected coordinates. No contact lasts.
-  void close(double t, Eigen::VectorXd& q, Eigen::VectorXd& v);
+  /// Onto the joints and lasting contacts: the velocities along them at the projected coordinates.
+  void project(double t, Eigen::VectorXd& q, Eigen::VectorXd& v);
   /// One Runge–Kutta step between projections. False: not finite.
   bool move(double t, double length, Eigen::VectorXd& q, Eigen::VectorXd& v);
   double gap(int contact, double t, const Eigen::VectorXd& q);
@@ -70,7 +68,7 @@ class NearbyMotion {
   const System& system_;
   ContactMotion motion_;
   DormandPrince step_;
-  Eigen::VectorXd a_, first_, q_end_, v_end_;
+  Eigen::VectorXd a_, first_, q_end_, v_end_, unused_;
   Eigen::MatrixXd push_;  // of an impact: velocities by its impulses
   Kinematics at_;
 };
