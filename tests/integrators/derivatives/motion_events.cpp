@@ -398,3 +398,99 @@ TEST_CASE("tangent of a motion: a point of a joint, through a series of impacts 
     CHECK(t.v(2, 0) == doctest::Approx(expected).epsilon(1e-4));
   }
 }
+
+TEST_CASE("tangent of a motion: links on pins that land, also far from the origin") {
+  const auto links = [](double y) {
+    char text[1200];
+    std::snprintf(text, sizeof text, R"(
+gravity = [0, -9.81]
+[[body]]
+name = "one"
+mass = 1
+inertia = 0.03
+position = [0.3, %.17g]
+omega = -1
+velocity = [0, -0.3]
+[[body]]
+name = "two"
+mass = 1
+inertia = 0.03
+position = [0.9, %.17g]
+velocity = [0, -0.6]
+[[joint]]
+name = "pin"
+type = "revolute"
+bodies = ["ground", "one"]
+point_a = [0, %.17g]
+point_b = [-0.3, 0]
+[[joint]]
+name = "knee"
+type = "revolute"
+bodies = ["one", "two"]
+point_a = [0.3, 0]
+point_b = [-0.3, 0]
+[[contact]]
+name = "c"
+type = "corner-wall"
+body = "two"
+point = [0.3, 0]
+wall = {point = [0, %.17g], normal = [0.2, 1]}
+mu = 0.05
+)",
+                  y, y, y, y - 0.15);
+    return std::string(text);
+  };
+  const auto solver = make_solver("auto");
+  const auto tangent = [&](double y) {
+    const std::string text = links(y);
+    const RunParameter plane{"wall.point.y", y - 0.15,
+                             [text](double x) {
+                               Scene s = from_text(text)({});
+                               std::get<CornerWall>(s.contacts[0]).plane_point.y() = x;
+                               return s;
+                             },
+                             -1};
+    const MotionTangent t = differentiate_motion(System(from_text(text)({})), {plane}, {}, *solver, 0.3);
+    REQUIRE(t.none.empty());
+    return t.v;
+  };
+  const Eigen::VectorXd near = tangent(0), far = tangent(-30);
+  CHECK((far - near).lpNorm<Eigen::Infinity>() <= 1e-6 * near.lpNorm<Eigen::Infinity>());
+}
+
+TEST_CASE("tangent of a motion: a link on a pin that lands and stays is not parted by its one contact") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "link"
+mass = 1
+inertia = 0.03
+position = [0.3, 0]
+omega = -1
+velocity = [0, -0.3]
+[[joint]]
+name = "pin"
+type = "revolute"
+bodies = ["ground", "link"]
+point_b = [-0.3, 0]
+[[contact]]
+name = "c"
+type = "corner-wall"
+body = "link"
+point = [0.3, 0]
+mu = 0.2
+wall = {point = [0, -0.15], normal = [0.2, 1]}
+)";
+  const auto solver = make_solver("auto");
+  const Clock clock{.step = 0.05, .duration = 0.6};
+  const MotionTrial drop{"contact.c.wall.point", "[0, ", "]", -0.15};
+  const MotionTangent t =
+      differentiate_motion(System(from_text(text)({})), parameters_of(text, {drop}), {}, *solver, 0.6);
+  CHECK(t.none == "");
+  REQUIRE(t.q.cols() == 1);
+  State end[2];
+  for (int k = 0; k < 2; ++k)
+    end[k] = end_of(from_text(text)({set_of(drop, drop.value + (k == 0 ? -1e-6 : 1e-6))}), "event-driven", clock);
+  const Eigen::VectorXd difference = (end[1].q - end[0].q) / 2e-6;
+  CHECK((t.q.col(0) - difference).lpNorm<Eigen::Infinity>() <= 1e-6 * difference.lpNorm<Eigen::Infinity>());
+}

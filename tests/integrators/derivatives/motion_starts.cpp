@@ -119,3 +119,25 @@ factor = {type = "table", times = [0, 1], values = [0, 3.5]}
   CHECK(t.none == "");
   CHECK(t.q.lpNorm<Eigen::Infinity>() < 1e-9);
 }
+
+TEST_CASE("tangent of a motion: an overlap at the start stays, and is refused") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "d"
+mass = 1
+inertia = 0.005
+position = [0, 0.095]
+[[contact]]
+name = "c"
+type = "disc-wall"
+body = "d"
+radius = 0.1
+wall = {normal = [0, 1]}
+)";
+  const auto solver = make_solver("auto");
+  const MotionTrial radius{"contact.c.radius", "", "", 0.1};
+  const MotionTangent t =
+      differentiate_motion(System(from_text(text)({})), parameters_of(text, {radius}), {}, *solver, 0.1);
+  CHECK(t.none.find("the contact 'c' overlaps by 0.005") != std::string::npos);
+}

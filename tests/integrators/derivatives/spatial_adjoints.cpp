@@ -334,3 +334,75 @@ mu = 0.3
   CHECK_FALSE(warned(by_normal(0, 0.1), Kind::tangent));
   CHECK_FALSE(warned(by_key(text, "body.b.mass", 1), Kind::tangent));
 }
+
+TEST_CASE("tangent of a run in space: normals with two components that are equal, where the tangents jump") {
+  const std::string text = R"(
+dimension = 3
+gravity = [0.3, 0.1, -9.81]
+[[body]]
+name = "b"
+mass = 1
+inertia = [0.004, 0.006, 0.007]
+position = [0, 0, 0.102]
+velocity = [0.3, -0.1, 0]
+[[contact]]
+name = "c"
+type = "sphere-wall"
+body = "b"
+radius = 0.1
+wall = {normal = [0.1, 0.1, 1]}
+mu = 0.3
+e_n = 0.4
+)";
+  std::vector<SpatialParameter> parameters;
+  for (const double apart : {0.0, 1e-10, 1e-6})
+    for (const int entry : {0, 1})
+      parameters.push_back(by_change(text, "normal " + std::to_string(entry), 0.1, [=](spatial::Scene& s, double x) {
+        Vector3d n(0.1, 0.1 + apart, 1);
+        n[entry] += x - 0.1;
+        std::get<spatial::SpherePlane>(s.contacts[0]).normal = n.normalized();
+      }));
+  for (const SpatialParameter& p : parameters)
+    check_spatial(p.scene(p.value), {p}, {.step = 1e-3, .duration = 0.05}, {.tolerance = 1e-5});
+}
+
+TEST_CASE("derivatives of a run: dry friction that holds a joint with its whole bound is named") {
+  const std::string text = R"(
+dimension = 3
+[[body]]
+name = "b"
+mass = 1
+inertia = 0.01
+[[joint]]
+name = "slide"
+type = "prismatic"
+bodies = ["ground", "b"]
+axis = [1, 0, 0]
+[[friction]]
+name = "f"
+joint = "slide"
+bound = 0.5
+[[load]]
+name = "pull"
+body = "b"
+force = [0.5, 0, 0]
+)";
+  const auto solver = make_solver("auto");
+  const auto warned = [&](double bound) {
+    const SpatialParameter p = by_key(text, "friction.f.bound", bound);
+    const SystemOf<Spatial> system(p.scene(bound));
+    const Clock clock{.step = 1e-2, .duration = 0.05};
+    const auto says = [](const std::vector<std::string>& warnings) {
+      return std::ranges::any_of(warnings,
+                                 [](const auto& w) { return w.find("friction 'f' holds its joint") != w.npos; });
+    };
+    const auto forward = differentiate_run(system, {p}, MoreauJeanOptions{}, *solver, clock);
+    const auto reverse = differentiate_run_reverse(system, {p}, MoreauJeanOptions{}, *solver, clock,
+                                                   {{Kind::energy, 0}}, 1, weigh_last());
+    CHECK(says(forward.warnings) == says(reverse.warnings));
+    return says(forward.warnings);
+  };
+  CHECK(warned(0.5));
+  CHECK_FALSE(warned(0.6));
+  CHECK_FALSE(warned(0.4));
+}

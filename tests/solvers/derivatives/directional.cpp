@@ -246,3 +246,20 @@ TEST_CASE("sensitivity: redundant rows that a change parts have no derivative, a
   change.b = {1, -1};
   CHECK_FALSE(of.jvp(change).consistent);
 }
+
+TEST_CASE("sensitivity: forces of redundant rows have the gradient of even shares, by both products") {
+  const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 1}, {1, 1}}), {-1, -1});
+  Solution s;
+  s.z = Eigen::Vector2d(0.25, 0.75), s.w = Eigen::Vector2d::Zero(), s.status = Status::solved;
+  const Sensitivity of = sensitivity(p, s);
+  REQUIRE(of.report().redundant);
+  Perturbation change;
+  change.b = Eigen::Vector2d(-1, -1);
+  const Vector share = of.jvp(change).z;
+  CHECK((share - Eigen::Vector2d(0.5, 0.5)).norm() <= 1e-12);
+  for (const Eigen::Vector2d& weight : {Eigen::Vector2d(1, 0), Eigen::Vector2d(1, -1), Eigen::Vector2d(1, 1)}) {
+    const DataGradient back = of.vjp(weight, {});
+    CHECK((back.b - Eigen::Vector2d::Constant(-weight.sum() / 4)).norm() <= 1e-12);
+    CHECK(back.consistent == (weight[0] == weight[1]));
+  }
+}
