@@ -446,7 +446,7 @@ mu = 0.05
     const RunParameter plane{"wall.point.y", y - 0.15,
                              [text](double x) {
                                Scene s = from_text(text)({});
-                               std::get<CornerWall>(s.contacts[0]).plane_point.y() = x;
+                               std::get<CornerWall>(s.contacts[0]).wall_point.y() = x;
                                return s;
                              },
                              -1};
