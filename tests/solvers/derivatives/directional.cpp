@@ -1,4 +1,5 @@
 // Directional derivatives where rows are weakly active, redundant contacts, and reports of what has none.
+#include <orthant/core/lcp/judge/certify.h>
 #include <orthant/core/lcp/problems/collection.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 #include <orthant/core/lcp/problems/disc_contacts.h>
@@ -250,7 +251,8 @@ TEST_CASE("sensitivity: redundant rows that a change parts have no derivative, a
 TEST_CASE("sensitivity: forces of redundant rows have the gradient of even shares, by both products") {
   const Lcp p = Lcp::standard(DenseMatrix(Eigen::Matrix2d{{1, 1}, {1, 1}}), {-1, -1});
   Solution s;
-  s.z = Eigen::Vector2d(0.25, 0.75), s.w = Eigen::Vector2d::Zero(), s.status = Status::solved;
+  s.z = Eigen::Vector2d(0.25, 0.75);
+  Judge().certify(p, 1e-10, Claim::candidate, s);
   const Sensitivity of = sensitivity(p, s);
   REQUIRE(of.report().redundant);
   Perturbation change;
