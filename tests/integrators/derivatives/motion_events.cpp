@@ -484,13 +484,15 @@ wall = {point = [0, -0.15], normal = [0.2, 1]}
   const auto solver = make_solver("auto");
   const Clock clock{.step = 0.05, .duration = 0.6};
   const MotionTrial drop{"contact.c.wall.point", "[0, ", "]", -0.15};
+  const MotionTrial weight{"gravity", "[0, ", "]", -9.81};
   const MotionTangent t =
-      differentiate_motion(System(from_text(text)({})), parameters_of(text, {drop}), {}, *solver, 0.6);
+      differentiate_motion(System(from_text(text)({})), parameters_of(text, {drop, weight}), {}, *solver, 0.6);
   CHECK(t.none == "");
-  REQUIRE(t.q.cols() == 1);
+  REQUIRE(t.q.cols() == 2);
   State end[2];
   for (int k = 0; k < 2; ++k)
     end[k] = end_of(from_text(text)({set_of(drop, drop.value + (k == 0 ? -1e-6 : 1e-6))}), "event-driven", clock);
   const Eigen::VectorXd difference = (end[1].q - end[0].q) / 2e-6;
   CHECK((t.q.col(0) - difference).lpNorm<Eigen::Infinity>() <= 1e-6 * difference.lpNorm<Eigen::Infinity>());
+  CHECK(t.q.col(1).lpNorm<Eigen::Infinity>() <= 1e-9);  // it rests
 }
