@@ -46,7 +46,7 @@ Corners hull_of(Corners points) {
 
 class Sketch {
  public:
-  explicit Sketch(const Scene& scene) : scene_(scene) {
+  explicit Sketch(const Scene& scene) {
     for (const Body& b : scene.bodies) reach_ = std::max(reach_, b.position.norm());
   }
   void add(BodyId body, bool closed, const Corners& corners, bool wall = false) {
@@ -105,7 +105,6 @@ class Sketch {
   };
   template <class Polygon> void polygon(BodyId body, const Polygon& p) { add(body, true, Corners(p.begin(), p.end())); }
 
-  const Scene& scene_;
   double reach_ = 0;
   std::vector<Outline> all_;
   std::vector<Wall> walls_;

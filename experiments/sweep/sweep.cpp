@@ -291,8 +291,9 @@ class Reader {
   void set_times(std::vector<Case>& all, const Json& grid) const {
     std::map<std::pair<std::string, std::vector<std::string>>, Clock> known;
     for (Case& c : all) {
-      const auto [at, fresh] = known.try_emplace({c.scene, c.sets()});
-      if (fresh) {
+      const auto entry = known.try_emplace({c.scene, c.sets()});
+      Clock& clock = entry.first->second;
+      if (entry.second) {
         const AnyScene any = in_file("grid.set", [&] { return make_any_scene(c.scene, c.sets()); });
         std::visit(
             [&](const auto& scene) {
@@ -300,14 +301,14 @@ class Reader {
               const auto columns = measures_of(scene);
               if (std::find(columns.begin(), columns.end(), c.measure) == columns.end())
                 fail("measure", '"' + c.measure + '"', "the scene has no such column");
-              at->second = {.step = scene.step, .duration = scene.duration};
+              clock = {.step = scene.step, .duration = scene.duration};
             },
             any);
       }
-      c.step = at->second.step;
+      c.step = clock.step;
       c.duration = grid.contains("duration")    ? number("grid.duration", grid["duration"], 1e-12, 1e9)
                    : root_.contains("duration") ? number("duration", root_["duration"], 1e-12, 1e9)
-                                                : at->second.duration;
+                                                : clock.duration;
     }
   }
 

@@ -6,7 +6,7 @@
 namespace orthant {
 namespace {
 
-constexpr int kPasses = 3;
+constexpr int kFits = 3;
 constexpr double kPassed = 0.1;  // of the tolerance: inner velocities that move less are good enough
 constexpr std::size_t kMostPieces = 32;
 constexpr double kLeastTolerance = 1e-9;  // of impulses: rounding of forces, magnified by mass ratios
@@ -40,7 +40,7 @@ void ArcInterpolant::fit(const Arc& arc, double tolerance) {
   begin(arc);
   const double fast = std::max(arc.v0.lpNorm<Eigen::Infinity>(), arc.v1.lpNorm<Eigen::Infinity>());
   bool inside = true;
-  for (int pass = 0; pass < kPasses && inside; ++pass) {
+  for (int pass = 0; pass < kFits && inside; ++pass) {
     for (std::size_t k = 1; k + 1 < kPoints && inside; ++k) {
       const double x = static_cast<double>(k) / (kPoints - 1);
       inside = motion_.accelerations(start_ + x * length_, q_[k], v_[k], a_[k]);
