@@ -59,7 +59,9 @@ TEST_CASE("in space: work of loads and drives is what the energy changes by") {
   const spatial::Matrix3d J = Vector3d(0.1, 0.2, 0.25).asDiagonal();
   const auto arm = s.body({.name = "arm", .inertia = J}),
              top = s.body({.name = "top", .inertia = J, .omega = {1, 9, 2}}),
-             cart = s.body({.name = "cart", .position = {0, 5, 0}});
+             cart = s.body({.name = "cart", .position = {0, 5, 0}}),
+             ring = s.body({.name = "ring", .inertia = J, .position = {9, 0, 0}, .omega = {0, 0, 6}}),
+             rotor = s.body({.name = "rotor", .inertia = J, .position = {9, 0, 0}, .omega = {2, 0, 6}});
   s.joint(spatial::Spherical{"pin", kGround, arm, {0.1, 0, 0}, {0.1, 0, 0}});
   s.load({.name = "push",
           .body = arm,
@@ -72,6 +74,9 @@ TEST_CASE("in space: work of loads and drives is what the energy changes by") {
   s.joint(spatial::Prismatic{"rail", kGround, cart, {0, 5, 0}, {0, 0, 0}, {1, 0, 0}});
   s.joint(spatial::Drive{
       "shake", spatial::Slide{kGround, cart, {0, 5, 0}, {0, 0, 0}, {1, 0, 0}}, {.amplitude = 0.2, .omega = 5}});
+  s.joint(spatial::Revolute{.name = "axle", .a = kGround, .b = ring, .point_a = {9, 0, 0}, .axis_a = {0, 0, 1}});
+  s.joint(spatial::Revolute{.name = "hub", .a = ring, .b = rotor, .axis_a = {1, 0, 0}, .axis_b = {1, 0, 0}});
+  s.joint(spatial::Drive{"spin", spatial::Angle{ring, rotor, {1, 0, 0}, {1, 0, 0}}, {.rate_of_change = 2}});
   for (const std::string_view scheme : kInSpace) {
     CAPTURE(scheme);
     const Run r = watched(s, scheme, 1e-3, 1);
