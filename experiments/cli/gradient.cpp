@@ -99,8 +99,8 @@ void add_gradient(CLI::App& app, int& exit_code) {
   command->add_option("scene", arguments->scene, "built-in scene or TOML file")->required();
   command
       ->add_option("--of", arguments->of,
-                   "columns, such as crank.theta,corner1.gap,corner1.impulse_n,energy; in space rod.x, rod.qw, "
-                   "rod.wz, ball.impulse_t1")
+                   "columns, such as crank.theta,corner1.gap,corner1.impulse_n,bearing.impulse,energy; in space "
+                   "rod.x, rod.qw, rod.wz, ball.impulse_t1")
       ->required()
       ->delimiter(',');
   command

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import sys
 
 import numpy as np
 import orthant
@@ -224,7 +225,7 @@ def test_products_with_the_jacobian_of_a_run_and_its_transpose():
     assert np.isclose(back.value, weights @ run["crank.theta"] + 2 * run["slider.y"][-1], rtol=1e-12)
     tangent = weights @ t.change[:, 0] + 2 * t.change[-1, 1]
     assert np.isclose(sum(back.gradient[key] * value for key, value in change.items()), tangent, rtol=1e-8)
-    with pytest.raises(ValueError, match="must have 11 rows"):
+    with pytest.raises(ValueError, match="has 10 entries: must have 11, one a record"):
         run.vjp({"crank.theta": weights[:-1]}, "mu")
     with pytest.raises(ValueError, match="mode"):
         run.gradient("crank.theta", "mu", mode="reverse")
@@ -354,3 +355,18 @@ def test_lyapunov_exponents_of_the_impact_oscillator_are_those_of_its_floquet_mu
         orthant.lyapunov("impact_oscillator", 7, **how)
     with pytest.raises(ValueError, match="must be event-driven"):
         orthant.lyapunov("impact_oscillator", integrator="adaptive", **how)
+
+
+def test_frameworks_that_are_missing_are_named(monkeypatch):
+    for function, module in ((orthant.as_torch, "torch"), (orthant.as_jax, "jax")):
+        monkeypatch.setitem(sys.modules, module, None)
+        with pytest.raises(ModuleNotFoundError, match=f"needs .*: pip install {module}$"):
+            function(crank, "crank.theta", "mu")
+
+
+def test_many_parameters_of_a_motion_itself_are_by_forward_mode():
+    names = ["mu", "e", "clearance", "start.crank.omega", "start.rod.omega"]
+    how = {"integrator": "event-driven", "step": 0.01, "duration": 0.01}
+    many = orthant.gradient("slider_crank", "energy", names, at="end", **how)
+    few = orthant.gradient("slider_crank", "energy", names[:1], at="end", **how)
+    assert np.allclose(many.by[0, 0], few.by[0, 0], rtol=1e-12)

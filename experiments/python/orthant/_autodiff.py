@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any, Callable, Sequence, Union
 
 from ._spec import shown
@@ -43,6 +44,13 @@ def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[st
     return len(columns), value, pull, check
 
 
+def _framework(module: str, function: str, name: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(f"orthant.{function} needs {name}: pip install {module}", name=module) from missing
+
+
 def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
              **how: Any) -> Callable[[Any], Any]:
     """A function of a tensor of parameter values to the last values of columns of a run, differentiable by PyTorch.
@@ -51,8 +59,7 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
     `gradient`; step, duration, ... as of `simulate`. Reverse mode, once a backward pass; second derivatives are
     refused.
     """
-    import torch
-
+    torch = _framework("torch", "as_torch", "PyTorch")
     _, value, pull, check = _pair(make, of, wrt, how)
 
     class Run(torch.autograd.Function):  # type: ignore[misc]
@@ -80,7 +87,7 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
            **how: Any) -> Callable[[Any], Any]:
     """The same for JAX, by custom_vjp; `vmap` and `jacrev` make one run after another. Numbers have JAX's precision:
     set jax_enable_x64 for 64 bits."""
-    import jax
+    jax = _framework("jax", "as_jax", "JAX")
     import numpy
 
     columns, value, pull, check = _pair(make, of, wrt, how)

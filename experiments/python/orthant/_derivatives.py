@@ -358,7 +358,7 @@ def vjp(scene: Any, weights: Mapping[str, Any], wrt: Union[str, Sequence[str]], 
     columns, parameters = list(_mapping("weights", weights, "{column: number or array}")), _words("wrt", wrt)
     given = [_weights_of(column, weights[column]) for column in columns]
     call = _Call(scene, **_settings(how))
-    rows = max((len(w) for w in given if w.ndim == 1), default=call.records())
+    rows = call.records()
     table = numpy.zeros((rows, len(columns)))
     for column, w in enumerate(given):
         if w.ndim == 0:
