@@ -43,8 +43,8 @@ struct RunColumn {
   /// From `normal` on: impulses since the record before [N s], `friction` of a dry friction in a joint [N s, N m s].
   enum class Kind { state, gap, energy, normal, tangent, across, friction };
   Kind kind = Kind::state;
-  /// In (q, v), 0 … 2 dof − 1; in space 13 of each body: x, y, z, the body's quaternion w, x, y, z, velocity and angular
-  /// velocity in the world. Of gaps and impulses the contact or the friction; of the energy 0.
+  /// In (q, v), 0 … 2 dof − 1; in space 13 of each body: x, y, z, the body's quaternion w, x, y, z, velocity and
+  /// angular velocity in the world. Of gaps and impulses the contact or the friction; of the energy 0.
   Index place = 0;
 
   bool impulse() const { return kind >= Kind::normal; }
