@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any, Callable, Sequence, Union
 
 from ._spec import shown
@@ -44,11 +43,8 @@ def _pair(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[st
     return len(columns), value, pull, check
 
 
-def _framework(module: str, function: str, name: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ModuleNotFoundError as missing:
-        raise ModuleNotFoundError(f"orthant.{function} needs {name}: pip install {module}", name=module) from missing
+def _absent(module: str, function: str, name: str) -> ModuleNotFoundError:
+    return ModuleNotFoundError(f"orthant.{function} needs {name}: pip install {module}", name=module)
 
 
 def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[str, Sequence[str]],
@@ -59,7 +55,10 @@ def as_torch(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union
     `gradient`; step, duration, ... as of `simulate`. Reverse mode, once a backward pass; second derivatives are
     refused.
     """
-    torch = _framework("torch", "as_torch", "PyTorch")
+    try:
+        import torch
+    except ModuleNotFoundError as missing:
+        raise _absent("torch", "as_torch", "PyTorch") from missing
     _, value, pull, check = _pair(make, of, wrt, how)
 
     class Run(torch.autograd.Function):  # type: ignore[misc]
@@ -87,7 +86,10 @@ def as_jax(make: Callable[..., Any], of: Union[str, Sequence[str]], wrt: Union[s
            **how: Any) -> Callable[[Any], Any]:
     """The same for JAX, by custom_vjp; `vmap` and `jacrev` make one run after another. Numbers have JAX's precision:
     set jax_enable_x64 for 64 bits."""
-    jax = _framework("jax", "as_jax", "JAX")
+    try:
+        import jax
+    except ModuleNotFoundError as missing:
+        raise _absent("jax", "as_jax", "JAX") from missing
     import numpy
 
     columns, value, pull, check = _pair(make, of, wrt, how)
