@@ -269,7 +269,12 @@ RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Spac
     std::vector<std::string> sets;
     for (const std::string& set : source.sets)
       if (!set.starts_with(name + "=")) sets.push_back(set);
-    sets.push_back(name + "=" + text_of_numbers(*document.get("value"), places, x));
+    std::string changed = text_of_numbers(*document.get("value"), places, x);
+    if (places.size() == 2 && name.ends_with(".inertia")) {  // a tensor stays symmetric
+      const std::size_t mirrored[] = {places[1], places[0]};
+      changed = text_of_numbers(*document_of(changed).get("value"), mirrored, x);
+    }
+    sets.push_back(name + "=" + changed);
     return make_in<Space>(source, sets);
   };
   return {key, *number, scene_at, -1};

@@ -1,10 +1,11 @@
 // experiments/runs/run_names.h — columns and parameters of a run by their names: "crank.theta", "mu", "body.rod.mass".
 //
 // A parameter is a key of --set with a number for a value: of a built-in scene one of its options, of a file a key path
-// ("contact.corner1.mu"), an entry of an array by its place ("body.rod.position[0]"). An element without a name has
-// that of its kind and number. A value that the file leaves out counts as given where its default is 0 or 1, or an
-// array of such numbers. `start.BODY.COLUMN`, COLUMN of x, y, theta, vx, vy, omega, is the body's initial coordinate or
-// velocity; in space x, y, z, rx, ry, rz (a turn about the world's axes), vx, vy, vz, wx, wy, wz.
+// ("contact.corner1.mu"), an entry of an array by its place ("body.rod.position[0]"; of an inertia tensor with its
+// mirror image). An element without a name has that of its kind and number. A value that the file leaves out counts as
+// given where its default is 0 or 1, or an array of such numbers. `start.BODY.COLUMN`, COLUMN of x, y, theta, vx, vy,
+// omega, is the body's initial coordinate or velocity; in space x, y, z, rx, ry, rz (a turn about the world's axes),
+// vx, vy, vz, wx, wy, wz.
 #pragma once
 
 #include <orthant/core/mechanics/scene/scene_toml.h>

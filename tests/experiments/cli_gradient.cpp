@@ -317,3 +317,28 @@ TEST_CASE("orthant lyapunov: the exponents of the impact oscillator, and what it
   CHECK(folder.orthant("lyapunov bouncing_ball --count 7").err.find("count: must be 1 ... 6") != std::string::npos);
   CHECK(folder.orthant("lyapunov bouncing_ball --integrator rattle").exit_code == 1);
 }
+
+TEST_CASE("orthant gradient: an entry of an inertia tensor beside the diagonal changes with its mirror image") {
+  const Cli folder;
+  folder.write("top.toml", R"(dimension = 3
+[[body]]
+name = "top"
+mass = 1
+inertia = [[0.02, 0.001, 0], [0.001, 0.03, 0], [0, 0, 0.04]]
+omega = [1, 2, 5]
+)");
+  const std::string how = " --step 1e-3 --duration 0.3 ";
+  const Reply a = folder.orthant("gradient top.toml --of top.wx --wrt 'body.top.inertia[0][1]'" + how);
+  REQUIRE(a.exit_code == 0);
+  const auto spin = [&](double entry) {
+    char set[200];
+    std::snprintf(set, sizeof set, "'body.top.inertia=[[0.02, %.12g, 0], [%.12g, 0.03, 0], [0, 0, 0.04]]'", entry,
+                  entry);
+    const Reply run = folder.orthant("simulate top.toml --integrator moreau-jean --json" + how + "--set " + set);
+    return nlohmann::json::parse(run.out).at("final").at("top.wx").get<double>();
+  };
+  const double difference = (spin(0.001 + 1e-6) - spin(0.001 - 1e-6)) / 2e-6;
+  CHECK(std::abs(difference) > 1);
+  CHECK(std::abs(number_behind(a.out, "d top.wx / d body.top.inertia[0][1]") - difference) <
+        1e-5 * std::abs(difference));
+}
