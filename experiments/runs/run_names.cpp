@@ -236,6 +236,31 @@ template <class Scene> std::string no_such_body(const Scene& scene, const std::s
   return any_named(scene.bodies, name) ? "" : "no body has the name '" + in_one_line(name) + "': ";
 }
 
+/// "rod.mass", and in the plane "rod.inertia": also of built-in scenes, whose options may have neither.
+template <class Space> std::optional<RunParameterOf<Space>> parameter_of_body(const SceneSource& source,
+                                                                              const SceneIn<Space>& scene,
+                                                                              const std::string& key) {
+  const auto dot = key.rfind('.');
+  const std::string part = dot == std::string::npos ? "" : key.substr(dot + 1);
+  if (part != "mass" && !(kPlanar<Space> && part == "inertia")) return {};
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].name != key.substr(0, dot)) continue;
+    const auto number = [i, part](auto& bodies) -> double& {
+      if constexpr (kPlanar<Space>)
+        if (part == "inertia") return bodies[i].inertia;
+      return bodies[i].mass;
+    };
+    SceneIn<Space> given = scene;
+    const auto scene_at = [source, number](double x) {
+      auto changed = make_in<Space>(source, source.sets);
+      number(changed.bodies) = x;
+      return changed;
+    };
+    return RunParameterOf<Space>{key, number(given.bodies), scene_at, -1};
+  }
+  return {};
+}
+
 template <class Space>
 RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Space>& scene, const std::string& key) {
   constexpr std::string_view kOfStart = "start.";
@@ -248,6 +273,7 @@ RunParameterOf<Space> parameter_in(const SceneSource& source, const SceneIn<Spac
                                               : "must be start.BODY.COLUMN, COLUMN of x, y, z, rx, ry, rz, vx, vy, vz, "
                                                 "wx, wy, wz"));
   }
+  if (auto by_body = parameter_of_body<Space>(source, scene, key)) return *std::move(by_body);
   if (key == "duration" || key == "step")
     refuse_parameter(key, "is a setting of the run: must be a value of the scene or its start");
   const auto [name, places] = split_places(key);

@@ -84,6 +84,7 @@ std::vector<MotionVariation::ClosedContact> MotionVariation::look_at(const std::
     one.grips = mode.lasting && mode.sticks &&
                 std::abs(base_.tangent_force(s.contact, t, first.q0, first.v0)) >
                     kUnloaded * std::abs(base_.normal_force(s.contact, t, first.q0, first.v0));
+    one.turns = base_.turns(s.contact, t, first.q0, first.v0);
     all.push_back(one);
   }
   return all;
@@ -130,6 +131,7 @@ MotionVariation::StartChange MotionVariation::change_of_start(const VariedDirect
     list(by[0] > 0 ? change.opened : change.sunk, contact);
     if (one.grips) list(change.gripped, contact);
     change.slides = change.slides || one.contact.slides != 0;
+    change.turns = change.turns || one.turns;
   }
   for (std::size_t i = 0; i < closed.size(); ++i) {
     const auto tilts = [&](const ClosedContact& other) {
@@ -175,6 +177,10 @@ void MotionVariation::say(const std::string& parameter, const StartChange& chang
          of_side(change.opened.empty()) + ", where they stay closed; on the other side they fly and slip");
   else if (moves && damped)
     none(parameter + closed + "dampers act in the short flight that closes them again, which is not differentiated");
+  else if (moves && change.turns)
+    none(parameter + closed +
+         "their directions turn in the short flight that closes them again, which is not "
+         "differentiated");
   else if (moves || change.begins)
     warn(closed + "the derivative is one-sided, " + of_side(moves ? change.sunk.empty() : change.falling.empty()) +
          ", where a short flight closes them again");

@@ -91,11 +91,13 @@ class MotionVariation {
     bool begins = false;  // to slide, from rest
     bool grips = false;   // holds against a force
     double fall = 0;      // [m/s²] of its gap, all of them open
+    bool turns = false;   // its direction or its arm, with the motion
   };
   struct StartChange {                    // by one parameter: the names of contacts
     std::string contacts;                 // all that change
     std::string opened, sunk, gripped;    // by gaps; those that hold among them
     std::string rising, falling, tilted;  // by rates; those that begin to slide on a body which tilts
+    bool turns = false;                   // some that open or sink
     bool slides = false, begins = false;  // some of them
     bool redundant = false;               // no motion closes all gaps again
   };

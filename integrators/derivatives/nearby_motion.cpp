@@ -80,6 +80,15 @@ double NearbyMotion::gap_acceleration(int contact, double t, const Eigen::Vector
                              system_.scene().contacts[static_cast<std::size_t>(contact)]);
 }
 
+bool NearbyMotion::turns(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  constexpr double kStep = 1e-6, kTurns = 1e-6;  // [s] over the largest speed; of a row's entries
+  const double s = kStep / std::max(1.0, v.lpNorm<Eigen::Infinity>());
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(q.size());
+  apply_transposed(rows(contact, t, q).normal, -1, change.data());
+  apply_transposed(rows(contact, t, q + s * v).normal, 1, change.data());
+  return change.lpNorm<Eigen::Infinity>() > kTurns * s;
+}
+
 Eigen::VectorXd NearbyMotion::tangent_push(int contact, double t, const Eigen::VectorXd& q) {
   Eigen::VectorXd push = Eigen::VectorXd::Zero(system_.dof());
   apply_transposed(rows(contact, t, q).tangent, 1, push.data());

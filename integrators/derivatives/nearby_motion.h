@@ -38,7 +38,9 @@ class NearbyMotion {
   double gap_acceleration(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                           const Eigen::VectorXd& a);
   Eigen::VectorXd tangent_push(int contact, double t, const Eigen::VectorXd& q);  // W_Tᵀ
-  double gap_scale(int contact, double t, const Eigen::VectorXd& q);              // Σ |J_k q_k| of its row
+  /// Whether the contact's rows change as the bodies move on: its direction, or the arm of its force.
+  bool turns(int contact, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  double gap_scale(int contact, double t, const Eigen::VectorXd& q);  // Σ |J_k q_k| of its row
   /// μ_static λ_N − side λ_T of a lasting contact [N], side = ±1 the sense of λ_T; its rate along the motion [N/s],
   /// from the `length` seconds before.
   double room(int contact, int side, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);

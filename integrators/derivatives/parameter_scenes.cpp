@@ -133,6 +133,7 @@ template <class Space> void choose_scenes(const RunParameterOf<Space>& parameter
   const double of_zero = relative * 1e-2;
   const double first = parameter.value != 0 ? relative * std::abs(parameter.value) : of_zero;
   constexpr double kFine = 1e-8, kCoarse = 1e-4;  // of the largest derivative of an element
+  constexpr double kRoundedPlace = 1e-9;          // likewise
   constexpr int kTries = 16;
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument("derivative with respect to " + parameter.name + ": " + why);
@@ -147,7 +148,7 @@ template <class Space> void choose_scenes(const RunParameterOf<Space>& parameter
   };
   double step = first;
   std::optional<StepError> error = measured(step);
-  constexpr double kShorter[] = {1e-1, 1e-2, 1e-3, 1e-4};  // near the end of a range, but inside
+  constexpr double kShorter[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};  // near the end of a range, but inside
   for (const double part : kShorter)
     if (!error || change.side != 0) error = measured(part * first), step = part * first;
   if (!error || change.side != 0) error = measured(first), step = first;
@@ -158,6 +159,17 @@ template <class Space> void choose_scenes(const RunParameterOf<Space>& parameter
       step = of_zero;
     else
       error = measured(step);
+  }
+  if (first > relative && step == first) {
+    // A place far from the origin says nothing of the lengths on which the motion changes: as short as by a value of 1,
+    // or as rounding lets it be.
+    const double shorter = std::max(relative, first * error->rounding / kRoundedPlace);
+    const int side = change.side;
+    const std::optional<StepError> other = shorter < first ? measured(shorter) : std::nullopt;
+    if (other && change.side == side && other->sum() <= std::max(kFine, error->sum()))
+      error = other, step = shorter;
+    else
+      measured(first);
   }
   double best = step;
   const int side = change.side;
