@@ -34,6 +34,7 @@ struct RattleTrace {
     bool strikes = false, rebounds = false, at_surface = false;  // of γ⁻; where −R acts; how γ⁻ was found
   };
   double h = 0;  // [s]
+  bool froze_again = false;
   State before, after;
   std::vector<Contact> contacts;                         // that carry or touch at the end
   Eigen::VectorXd friction_position, friction_velocity;  // of dry friction in joints
@@ -60,6 +61,8 @@ class RattleLinearization {
   }
   const std::vector<int>& degenerate() const { return degenerate_; }
   const std::vector<int>& spent() const { return spent_; }
+  /// The position stage froze its rows at an iterate: the derivative misses how these move, of the order h².
+  bool froze_again() const { return step_->froze_again; }
   bool consistent() const { return consistent_; }
   Sharing sharing() const {
     return position_.sensitivity.redundant() || velocity_.sensitivity.redundant() ? Sharing::impulses : Sharing::unique;

@@ -5,7 +5,7 @@ namespace orthant {
 
 void RattleTrace::take(const Rattle& integrator, const State& x, double duration, const State& end) {
   const System& system = integrator.system();
-  h = duration, before = x, after = end;
+  h = duration, before = x, after = end, froze_again = integrator.froze_again();
   contacts.clear();
   const auto mu_in = [](const Formulation& formulation, Index row) {
     for (const Friction& f : formulation.step_problem().friction())

@@ -120,6 +120,7 @@ template <class Space, class Options> class Adjoint {
     }
     shared_.append_words(slopes_.any_impulse(), result_.warnings);
     spent_.append_words(system_, result_.warnings);
+    frozen_.append_words(result_.warnings);
     if constexpr (!kPlanar<Space>) jumps_.append_words(system_, slopes_.columns(), result_.warnings);
     std::reverse(result_.degenerate.begin(), result_.degenerate.end());
   }
@@ -174,6 +175,7 @@ template <class Space, class Options> class Adjoint {
     result_.inconsistent += !linear_.consistent();
     shared_.take(linear_.sharing());
     spent_.take(linear_.spent(), trace.before.t);
+    frozen_.take(linear_);
     if constexpr (!kPlanar<Space>) jumps_.take(linear_.jumping());
   }
 
@@ -200,6 +202,7 @@ template <class Space, class Options> class Adjoint {
   std::vector<StepPart> parts_;
   SharedSteps shared_;
   SpentFrictions spent_;
+  FrozenSteps frozen_;
   JumpingTangents jumps_;
   std::vector<int> touching_;  // contacts, at the start
   Eigen::MatrixXd W_;

@@ -42,6 +42,14 @@ std::string SpentFrictions::words_of(const std::string& name, double t) {
          "derivatives are those of a bound that is kept";
 }
 
+void FrozenSteps::append_words(std::vector<std::string>& warnings) const {
+  if (steps_ > 0)
+    warnings.push_back(
+        "in " + std::to_string(steps_) +
+        " steps the position stage of rattle froze its rows at an iterate: the derivatives miss how these "
+        "move, a part of the order of the step");
+}
+
 void JumpingTangents::append_words(const SystemOf<Spatial>& system, const std::vector<RunColumn>& columns,
                                    std::vector<std::string>& warnings) const {
   for (const int contact : contacts_) {

@@ -86,6 +86,18 @@ class SpentFrictions {
   std::map<int, double> first_;  // [s] begin of the step
 };
 
+/// Counts steps of rattle whose position stage froze its rows at an iterate, and says so.
+class FrozenSteps {
+ public:
+  template <class Linearization> void take(const Linearization& linear) {
+    if constexpr (requires { linear.froze_again(); }) steps_ += linear.froze_again();
+  }
+  void append_words(std::vector<std::string>& warnings) const;
+
+ private:
+  long steps_ = 0;
+};
+
 /// Contacts whose first tangents jump in some step, in space.
 class JumpingTangents {
  public:

@@ -56,6 +56,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
   State before;
   SharedSteps shared;
   SpentFrictions spent;
+  FrozenSteps frozen;
   JumpingTangents jumps;
   std::vector<int> touching;  // at the start
   bool begun = false;
@@ -87,6 +88,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       result.inconsistent += !linear.consistent();
       shared.take(linear.sharing());
       spent.take(linear.spent(), before.t);
+      frozen.take(linear);
       if constexpr (!kPlanar<Space>) jumps.take(linear.jumping());
       ++step;
     }
@@ -95,6 +97,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
   });
   shared.append_words(slopes.any_impulse(), result.warnings);
   spent.append_words(system, result.warnings);
+  frozen.append_words(result.warnings);
   if constexpr (!kPlanar<Space>) jumps.append_words(system, columns, result.warnings);
   result.q = dq, result.v = dv;
   return result;

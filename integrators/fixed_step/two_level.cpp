@@ -83,6 +83,7 @@ bool TwoLevelOf<Space>::reach(double h, const State& x, Eigen::VectorXd& path, S
   positions_.resist(h * h / 2), velocities_.resist(h);
   positions_.clear(), positions_.anchor(x.t, x.q);
   free_ = path;  // p without what the contacts add
+  froze_again_ = false;
   int stalls = 0;
   double before = kInf, accuracy = 0;  // [m] of the problem solved last: gaps cannot be had better
   Mismatch left;
@@ -149,6 +150,7 @@ template <class Space> void TwoLevelOf<Space>::freeze_poses(bool swings) {
 }
 
 template <class Space> bool TwoLevelOf<Space>::freeze_here(bool swings, StepReport& report) {
+  froze_again_ = true;
   start_.at.pose = end_.at.pose, start_.at.t = end_.at.t;
   freeze_poses(swings);
   start_.closed.swap(end_.closed);

@@ -47,6 +47,8 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   const std::vector<RateTargetOf<Space>>& targets() const { return targets_; }
   const Formulation& positions() const { return positions_; }
   const Formulation& velocities() const { return velocities_; }
+  /// Whether the position stage froze its rows at an iterate.
+  bool froze_again() const { return froze_again_; }
 
  protected:
   using IntegratorOf<Space>::system_;
@@ -121,6 +123,7 @@ template <class Space> class TwoLevelOf : public IntegratorOf<Space> {
   Eigen::VectorXd free_;
   Eigen::VectorXd q_frozen_, off_, off_before_;  // of start_.at; q_end_ from there, now and a pass before
   double part_ = 1;                              // of off_ that is gone
+  bool froze_again_ = false;                     // in this step
 };
 extern template class TwoLevelOf<Planar>;
 extern template class TwoLevelOf<Spatial>;
