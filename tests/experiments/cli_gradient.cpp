@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/cli.h"
+#include "tests/support/scene_texts.h"
 
 #include <cmath>
 #include <cstdio>
@@ -341,4 +342,18 @@ omega = [1, 2, 5]
   CHECK(std::abs(difference) > 1);
   CHECK(std::abs(number_behind(a.out, "d top.wx / d body.top.inertia[0][1]") - difference) <
         1e-5 * std::abs(difference));
+}
+
+TEST_CASE("orthant gradient: the mass of a body, of built-in scenes too") {
+  const Cli folder;
+  const std::string how = " --of crank.theta --step 1e-4 --duration 0.02 --wrt ";
+  const Reply built_in = folder.orthant("gradient slider_crank" + how + "rod.mass");
+  const Reply file = folder.orthant("gradient " + (scene_texts::kCore / "scenes/slider_crank.toml").string() + how +
+                                    "rod.mass,body.rod.mass");
+  REQUIRE(built_in.exit_code == 0);
+  REQUIRE(file.exit_code == 0);
+  const double of_key = number_behind(file.out, "d crank.theta / d body.rod.mass");
+  CHECK(std::abs(of_key) > 0.1);
+  CHECK(std::abs(number_behind(file.out, "d crank.theta / d rod.mass") - of_key) < 1e-9 * std::abs(of_key));
+  CHECK(std::abs(number_behind(built_in.out, "d crank.theta / d rod.mass") - of_key) < 1e-6 * std::abs(of_key));
 }

@@ -141,3 +141,33 @@ wall = {normal = [0, 1]}
       differentiate_motion(System(from_text(text)({})), parameters_of(text, {radius}), {}, *solver, 0.1);
   CHECK(t.none.find("the contact 'c' overlaps by 0.005") != std::string::npos);
 }
+
+TEST_CASE("tangent of a motion: a taut rope that swings turns as it falls back, and is refused") {
+  const auto rope = [](const std::string& velocity) {
+    return R"(
+gravity = [0, -9.81]
+[[body]]
+name = "a"
+mass = 1
+inertia = 0.1
+position = [0, -1]
+velocity = )" +
+           velocity +
+           R"(
+[[contact]]
+name = "c"
+type = "rope"
+bodies = ["a", "ground"]
+length = 1
+)";
+  };
+  const auto solver = make_solver("auto");
+  const MotionTrial height{"body.a.position", "[0, ", "]", -1};
+  const auto of = [&](const std::string& text) {
+    return differentiate_motion(System(from_text(text)({})), parameters_of(text, {height}), {}, *solver, 0.1);
+  };
+  CHECK(of(rope("[0.5, 0]")).none.find("their directions turn in the short flight") != std::string::npos);
+  const MotionTangent hangs = of(rope("[0, 0]"));
+  CHECK(hangs.none == "");
+  CHECK(hangs.warnings.size() == 1);
+}

@@ -150,3 +150,43 @@ rest = 0.5
   check_tangents(roll, {{"mu", 0.2, 1e-5}}, {.step = 1e-2, .duration = 0.5}, 1e-7, kByRattle);
   check_tangents(roll, {{"speed", 5, 1e-5}}, {.step = 1e-2, .duration = 1}, 1e-7, kByRattle);
 }
+
+TEST_CASE("tangent of a run of rattle: steps whose rows were frozen at an iterate are named") {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[[body]]
+name = "a"
+mass = 1
+inertia = 0.03
+position = [0.25, 0]
+[[body]]
+name = "b"
+mass = 1.2
+inertia = 0.04
+position = [0.75, 0]
+[[joint]]
+name = "p"
+type = "revolute"
+bodies = ["ground", "a"]
+point_b = [-0.25, 0]
+[[joint]]
+name = "q"
+type = "revolute"
+bodies = ["a", "b"]
+point_a = [0.25, 0]
+point_b = [-0.25, 0]
+[[friction]]
+name = "f"
+joint = "q"
+bound = 30
+[[load]]
+body = "b"
+torque = 2
+)";
+  const auto solver = make_solver("auto");
+  const auto parameters = parameters_by_keys(text, {{"body.a.mass", 1}});
+  const System system(from_text(text)({}));
+  const RunTangent t = differentiate_run(system, parameters, kByRattle, *solver, {.step = 1e-3, .duration = 0.01});
+  REQUIRE(t.warnings.size() == 1);
+  CHECK(t.warnings[0].find("the position stage of rattle froze its rows at an iterate") != std::string::npos);
+}
