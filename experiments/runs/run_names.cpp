@@ -148,7 +148,8 @@ std::string rule_of_missing(const SceneSource& source, const std::string& key) {
   if (!source.text && is_built_in(source.name)) {
     std::string options;
     each_option(source.name, [&](const OptionEntry& option) { options += option.name + ", "; });
-    return "is no option of " + source.name + " with a number: must be one of " + options + "or start.BODY.COLUMN";
+    return "is no option of " + source.name + " with a number: must be one of " + options +
+           "BODY.mass, or start.BODY.COLUMN";
   }
   const ElementKey of(key);
   if (const auto root = document_of_scene(source); root && !of.kind.empty()) {

@@ -273,7 +273,8 @@ def gradient(scene: Any, of: str, wrt: Union[str, Sequence[str]], *, at: str = "
     impulse_t; of a dry friction in a joint FRICTION.impulse; "energy". In space BODY.x, y, z, qw, qx, qy, qz, vx, vy,
     vz, wx, wy or wz, and impulse_t1, impulse_t2.
     wrt: parameters: keys with a number, of a built-in scene its options, "mu", else key paths of the scene's text,
-    "body.rod.mass", "contact.corner1.mu", entries of arrays by their place, "body.rod.position[0]"; and of the start
+    "body.rod.mass", "contact.corner1.mu", entries of arrays by their place, "body.rod.position[0]"; "rod.mass" of a
+    body of any scene; and of the start
     "start.BODY.x", ... "start.BODY.omega", in space "start.BODY.x", y, z, rx, ry, rz (a turn about an axis of the
     world), vx, ... wz.
     at: "records": at each of them; "end": at the last one; "sum": of the sum over all of them.
