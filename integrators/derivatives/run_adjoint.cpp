@@ -118,10 +118,7 @@ template <class Space, class Options> class Adjoint {
         result_.gradient(k, static_cast<Index>(j)) +=
             changes_[j].start_q.dot(q_.col(k)) + changes_[j].start_v.dot(v_.col(k));
     }
-    shared_.append_words(slopes_.any_impulse(), result_.warnings);
-    spent_.append_words(system_, result_.warnings);
-    frozen_.append_words(result_.warnings);
-    if constexpr (!kPlanar<Space>) jumps_.append_words(system_, slopes_.columns(), result_.warnings);
+    notes_.append_words(system_, slopes_.columns(), result_.warnings);
     std::reverse(result_.degenerate.begin(), result_.degenerate.end());
   }
 
@@ -173,10 +170,7 @@ template <class Space, class Options> class Adjoint {
     refuse_overflow(q_.allFinite() && v_.allFinite(), trace.before.t);
     note_degenerate(trace.before.t, linear_.degenerate(), k == 0 ? touching_ : std::vector<int>(), result_.degenerate);
     result_.inconsistent += !linear_.consistent();
-    shared_.take(linear_.sharing());
-    spent_.take(linear_.spent(), trace.before.t);
-    frozen_.take(linear_);
-    if constexpr (!kPlanar<Space>) jumps_.take(linear_.jumping());
+    notes_.take(linear_, trace.before.t);
   }
 
   void pull(Index scalar, const ImpulseChange* impulses) {
@@ -200,10 +194,7 @@ template <class Space, class Options> class Adjoint {
   StartLinearizationOf<Space> start_;
   std::vector<ParameterChangeOf<Space>> changes_;
   std::vector<StepPart> parts_;
-  SharedSteps shared_;
-  SpentFrictions spent_;
-  FrozenSteps frozen_;
-  JumpingTangents jumps_;
+  RunNotes notes_;
   std::vector<int> touching_;  // contacts, at the start
   Eigen::MatrixXd W_;
   long weighed_ = -1, segment_ = 1;  // the record that W_ is of; steps between two checkpoints

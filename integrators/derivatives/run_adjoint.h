@@ -9,7 +9,7 @@
 //   Source: Griewank & Walther, Evaluating Derivatives (2nd ed., 2008), ch. 3, 12.
 #pragma once
 
-#include <orthant/integrators/derivatives/run_columns.h>
+#include <orthant/integrators/derivatives/run_notes.h>
 
 namespace orthant {
 

@@ -1,68 +1,11 @@
-#include <orthant/core/support/options.h>
 #include <orthant/integrators/derivatives/run_columns.h>
 #include <orthant/integrators/derivatives/spatial_row_slope.h>
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <stdexcept>
 
 namespace orthant {
-
-void note_degenerate(double t, const std::vector<int>& some, const std::vector<int>& others,
-                     std::vector<DegenerateStep>& steps) {
-  DegenerateStep one{t, {}};
-  std::ranges::set_union(some, others, std::back_inserter(one.contacts));
-  if (!one.contacts.empty()) steps.push_back(std::move(one));
-}
-
-void SharedSteps::append_words(bool impulses, std::vector<std::string>& warnings) const {
-  const long of_motion = steps_[static_cast<std::size_t>(Sharing::motion)];
-  const long of_impulses = of_motion + steps_[static_cast<std::size_t>(Sharing::impulses)];
-  if (of_motion > 0)
-    warnings.push_back("in " + std::to_string(of_motion) +
-                       " steps contacts that slide share a load which rigid bodies leave open: the run and its "
-                       "derivatives depend on the shares, which the solver chose");
-  if (impulses && of_impulses > 0)
-    warnings.push_back("in " + std::to_string(of_impulses) +
-                       " steps contacts share their impulses by the solver's choice: the derivatives are those of even "
-                       "shares, only sums are determined");
-}
-
-void SpentFrictions::take(const std::vector<int>& frictions, double t) {
-  for (const int friction : frictions) {
-    const auto [place, is_new] = first_.emplace(friction, t);
-    if (!is_new) place->second = std::min(place->second, t);
-  }
-}
-
-std::string SpentFrictions::words_of(const std::string& name, double t) {
-  return "from t = " + detail::text_of(t) + " s the friction '" + name +
-         "' holds its joint with its whole bound: on one side of a change it slips, or other frictions take its part; "
-         "derivatives are those of a bound that is kept";
-}
-
-void FrozenSteps::append_words(std::vector<std::string>& warnings) const {
-  if (steps_ > 0)
-    warnings.push_back(
-        "in " + std::to_string(steps_) +
-        " steps the position stage of rattle froze its rows at an iterate: the derivatives miss how these "
-        "move, a part of the order of the step");
-}
-
-void JumpingTangents::append_words(const SystemOf<Spatial>& system, const std::vector<RunColumn>& columns,
-                                   std::vector<std::string>& warnings) const {
-  for (const int contact : contacts_) {
-    const auto along = [contact](const RunColumn& c) {
-      return c.place == contact && (c.kind == RunColumn::Kind::tangent || c.kind == RunColumn::Kind::across);
-    };
-    if (std::ranges::none_of(columns, along)) continue;
-    const auto& name = std::visit([](const auto& c) { return c.name; }, system.scene().contacts[at(contact)]);
-    warnings.push_back("impulse_t1 and impulse_t2 of the contact '" + name +
-                       "' have no derivative: two components of its normal are as small, where the tangents jump to "
-                       "other axes as it turns; the numbers are those along the tangents of this run");
-  }
-}
 
 RunSteps::RunSteps(const Clock& clock) : step(clock.step), duration(clock.duration), every(clock.every) {
   whole = static_cast<long>(std::floor(duration / step * (1 + 1e-12) + 1e-9));

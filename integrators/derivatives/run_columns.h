@@ -6,9 +6,6 @@
 #include <orthant/integrators/derivatives/spatial_step_linearization.h>
 #include <orthant/integrators/simulate.h>
 
-#include <array>
-#include <map>
-#include <set>
 #include <span>
 #include <string>
 #include <variant>
@@ -48,66 +45,6 @@ struct RunColumn {
   Index place = 0;
 
   bool impulse() const { return kind >= Kind::normal; }
-};
-
-/// A step in which rows are weakly active: only one-sided derivatives exist from here on. In space also one with a
-/// loaded rim parallel to its plane: a tilt moves its points at once, derivatives by what tilts it do not exist.
-struct DegenerateStep {
-  double t = 0;               // [s] its begin
-  std::vector<int> contacts;  // of the scene
-};
-
-/// Appends a step where there are any such contacts, of two ascending lists.
-void note_degenerate(double t, const std::vector<int>& some, const std::vector<int>& others,
-                     std::vector<DegenerateStep>& steps);
-
-/// Counts the steps whose impulses are shared, and says so.
-class SharedSteps {
- public:
-  void take(Sharing sharing) { ++steps_[static_cast<std::size_t>(sharing)]; }
-  /// impulses: whether they are among the columns.
-  void append_words(bool impulses, std::vector<std::string>& warnings) const;
-
- private:
-  std::array<long, 3> steps_{};
-};
-
-/// Dry frictions in joints that hold with their whole bound in some steps.
-class SpentFrictions {
- public:
-  void take(const std::vector<int>& frictions, double t);
-  template <class Space> void append_words(const SystemOf<Space>& system, std::vector<std::string>& warnings) const {
-    for (const auto& [friction, t] : first_)
-      warnings.push_back(words_of(system.scene().frictions[static_cast<std::size_t>(friction)].name, t));
-  }
-
- private:
-  static std::string words_of(const std::string& name, double t);
-  std::map<int, double> first_;  // [s] begin of the step
-};
-
-/// Counts steps of rattle whose position stage froze its rows at an iterate, and says so.
-class FrozenSteps {
- public:
-  template <class Linearization> void take(const Linearization& linear) {
-    if constexpr (requires { linear.froze_again(); }) steps_ += linear.froze_again();
-  }
-  void append_words(std::vector<std::string>& warnings) const;
-
- private:
-  long steps_ = 0;
-};
-
-/// Contacts whose first tangents jump in some step, in space.
-class JumpingTangents {
- public:
-  void take(const std::vector<int>& contacts) { contacts_.insert(contacts.begin(), contacts.end()); }
-  /// Says so of those whose impulses along the tangents are among the columns.
-  void append_words(const SystemOf<Spatial>& system, const std::vector<RunColumn>& columns,
-                    std::vector<std::string>& warnings) const;
-
- private:
-  std::set<int> contacts_;
 };
 
 /// Steps of a run, as simulate() takes them; records stand at the start, every so many steps and at the end.

@@ -54,10 +54,7 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       if (columns[i].impulse()) take(static_cast<Index>(i), columns[i]);
   };
   State before;
-  SharedSteps shared;
-  SpentFrictions spent;
-  FrozenSteps frozen;
-  JumpingTangents jumps;
+  RunNotes notes;
   std::vector<int> touching;  // at the start
   bool begun = false;
   Clock each = clock;
@@ -86,19 +83,13 @@ RunTangent tangent_of_run(const SystemOf<Space>& system, const std::vector<RunPa
       refuse_overflow(std::isfinite(dq.sum() + dv.sum()), before.t);
       note_degenerate(before.t, linear.degenerate(), step == 0 ? touching : std::vector<int>(), result.degenerate);
       result.inconsistent += !linear.consistent();
-      shared.take(linear.sharing());
-      spent.take(linear.spent(), before.t);
-      frozen.take(linear);
-      if constexpr (!kPlanar<Space>) jumps.take(linear.jumping());
+      notes.take(linear, before.t);
       ++step;
     }
     before = moment.state;
     if (record && steps.recorded(step)) write(moment.state);
   });
-  shared.append_words(slopes.any_impulse(), result.warnings);
-  spent.append_words(system, result.warnings);
-  frozen.append_words(result.warnings);
-  if constexpr (!kPlanar<Space>) jumps.append_words(system, columns, result.warnings);
+  notes.append_words(system, columns, result.warnings);
   result.q = dq, result.v = dv;
   return result;
 }

@@ -10,7 +10,7 @@
 //   outputs: run_adjoint.h.
 #pragma once
 
-#include <orthant/integrators/derivatives/run_columns.h>
+#include <orthant/integrators/derivatives/run_notes.h>
 
 namespace orthant {
 
