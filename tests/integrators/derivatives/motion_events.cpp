@@ -455,7 +455,7 @@ mu = 0.05
     return t.v;
   };
   const Eigen::VectorXd near = tangent(0);
-  for (const double y : {-30.0, 300.0}) {
+  for (const double y : {-1.27, -5.0, -30.0, 300.0}) {
     CAPTURE(y);
     CHECK((tangent(y) - near).lpNorm<Eigen::Infinity>() <= 1e-6 * near.lpNorm<Eigen::Infinity>());
   }
