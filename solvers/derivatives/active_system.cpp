@@ -331,7 +331,7 @@ double ActiveSystem::least_norm(Eigen::VectorXd& x, bool transposed) const {
     for (int pass = 1; pass < 5 && r.lpNorm<Eigen::Infinity>() > kOutOfReach * size; ++pass) {
       x = r;
       apply_inverse(x, transposed);
-      r = residual(x);  // (I − B (B + δ I)⁻¹)ⁿ of what was asked: that part alone
+      r = residual(x);  // (I − B (B + δ I)⁻¹)ⁿ of the right-hand side: that part alone
     }
     if (off = r.lpNorm<Eigen::Infinity>() / size; off > kOutOfReach)
       left -= r;
