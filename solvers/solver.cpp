@@ -15,7 +15,8 @@ namespace {
 // Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
 constexpr double kFar = 100;
 constexpr Index kMostWithRoom = 30;  // rows up to which other proofs are sought near one that rounding spoils
-constexpr Index kTakenNow = 50000;   // rows up to which a solve takes memory for the judge's further looks in any case
+// Rows up to which a solve takes memory for the judge's further looks in any case, and keeps its scratch.
+constexpr Index kTakenNow = 50000;
 // Of the largest |b|: a residual below it may be that of rows with small terms only.
 constexpr double kFine = 1e-10;
 
@@ -365,6 +366,10 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
   if (open(s) && proof_search_) judge_.explain(problem, tolerance(), s);  // else the caller judges again
   s.factorizations = factorization_count().factorizations - before.factorizations;
   s.factorized_rows = factorization_count().rows - before.rows;
+  if (n > kTakenNow) {
+    judge_.release(), release();
+    for (Vector* each : {&before_, &scratch_, &proof_}) *each = Vector();
+  }
   return s;
 }
 

@@ -94,6 +94,8 @@ class Solver {
  private:
   /// Leaves z (and a certificate) in the solution. On entry z has n finite entries: the guess, or zeros.
   virtual Claim run(const Lcp& problem, Solution& solution, Start start) = 0;
+  /// Frees scratch, after a problem of many rows.
+  virtual void release() {}
   /// After any other verdict than solved, rounded or infeasible (it stands in solution.status): false, or another
   /// attempt, made harder, whose claim is judged in turn. `attempt` counts 1, 2, …
   virtual bool run_again(const Lcp&, Solution&, int /*attempt*/, Claim& /*claim*/) { return false; }

@@ -276,7 +276,7 @@ bool VelocitySteppingOf<Space>::solve_contacts(double h, const State& x, Solver&
   for (int pass = 1;; ++pass) {
     formulation_.resist(h, loads_.empty() ? nullptr : &loads_);
     formulation_.formulate(terms_, basic_, targets_, v_new_, rate_);
-    if (!formulation_.solve(solver, report, pool())) {
+    if (!formulation_.solve(solver, report, pool(), &terms_.closed)) {
       why_ = formulation_.contradiction();
       return false;
     }
@@ -284,7 +284,7 @@ bool VelocitySteppingOf<Space>::solve_contacts(double h, const State& x, Solver&
     if constexpr (!kPlanar<Space>)
       for (int turn = 0; turn < kPasses && formulation_.size() > 0 && turn_more(h, x); ++turn) {
         formulation_.retarget(targets_, v_new_, rate_);
-        if (!formulation_.solve(solver, report, pool())) {
+        if (!formulation_.solve(solver, report, pool(), &terms_.closed)) {
           why_ = formulation_.contradiction();
           return false;
         }

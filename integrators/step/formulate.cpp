@@ -24,7 +24,8 @@ template <class Space> void FormulationOf<Space>::formulate(const Terms& terms, 
   retarget(targets, v_free, joint_rate);
 }
 
-template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, SolverPool* pool) {
+template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, SolverPool* pool,
+                                                        ClosedContacts* closed) {
   if (problem_.size() == 0) return true;
   if (problem_.no_normal() >= 0) {
     report.status = Status::numerical_error;
@@ -36,9 +37,9 @@ template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepRepo
   for (int pass = 1;; ++pass) {
     // Of contacts that static friction held, one that lets go may take others with it: exact motions ask again.
     const int grades = precise_ && !kPlanar<Space> ? kPasses : 1;
-    bool solved = solve_once(solver, report, pool), shared = solved && share_evenly(solver);
+    bool solved = solve_once(solver, report, pool, closed), shared = solved && share_evenly(solver);
     for (int grade = 0; solved && grade < grades && problem_.regrade(solution_.z, solution_.w); ++grade)
-      solved = solve_once(solver, report, pool), shared = solved && share_evenly(solver);
+      solved = solve_once(solver, report, pool, closed), shared = solved && share_evenly(solver);
     if (!deficiency_.give_way(problem_, solution_, solved, report)) {
       if (solved) {
         if (shared && even_share_.matters(problem_.whole(), solution_)) ++report.undetermined;

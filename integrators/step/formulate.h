@@ -42,6 +42,7 @@ template <class Space> class FormulationOf {
   using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
+  using ClosedContacts = std::vector<ClosedContactOf<Space>>;
 
   explicit FormulationOf(const System& system, Form form = Form::reduced, Cone cone = Cone::coulomb);
 
@@ -83,8 +84,8 @@ template <class Space> class FormulationOf {
   void refine() { islands_.refine(), precise_ = true; }
 
   /// Finds z, from the last one as the first guess; true: solved, or nothing to solve. Large islands are shared
-  /// with the pool, if there is one: the answer is the same to the last bit.
-  bool solve(Solver& solver, StepReport& report, SolverPool* pool = nullptr);
+  /// with the pool, if there is one: the answer is the same to the last bit. closed: see IslandSolveOf::solve().
+  bool solve(Solver& solver, StepReport& report, SolverPool* pool = nullptr, ClosedContacts* closed = nullptr);
 
   /// In words, why there is no solution; empty: there is no such proof (no_solution_message.h).
   std::string contradiction() const;
@@ -112,8 +113,8 @@ template <class Space> class FormulationOf {
 
  private:
   bool share_evenly(Solver& solver);
-  bool solve_once(Solver& solver, StepReport& report, SolverPool* pool) {
-    return islands_.solve(problem_, solver, report, pool, solution_);
+  bool solve_once(Solver& solver, StepReport& report, SolverPool* pool, ClosedContacts* closed) {
+    return islands_.solve(problem_, solver, report, pool, solution_, closed);
   }
 
   const System& system_;

@@ -10,6 +10,23 @@ constexpr Index kShared = 100;      // rows beyond the largest island's, from wh
 constexpr Index kWhole = 3000;      // rows of an island from which on its copy costs memory that counts
 constexpr Index kTakenNow = 50000;  // rows up to which a step allocates nothing, however many contacts close
 
+/// Rows of closed contacts, lent as long as this lives: also where a solver throws.
+template <class StepProblem> class Loan {
+ public:
+  using ClosedContacts = typename StepProblem::ClosedContacts;
+  Loan(StepProblem& problem, ClosedContacts* closed)
+      : problem_(problem), closed_(closed != nullptr && problem.lend(*closed) ? closed : nullptr) {}
+  ~Loan() {
+    if (closed_ != nullptr) problem_.take_back(*closed_);
+  }
+  Loan(const Loan&) = delete;
+  Loan& operator=(const Loan&) = delete;
+
+ private:
+  StepProblem& problem_;
+  ClosedContacts* closed_;
+};
+
 /// A coarse answer is no motion, unless its error is as slow as a contact at rest.
 void leave_coarse(Solution& s, double unit) {
   if (s.status == Status::rounded && s.coarse && s.miss.by > kRestSpeed * unit) s.status = Status::stalled;
@@ -26,14 +43,18 @@ template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>
   for (Vector* each : {&found_.z, &found_.w}) each->resize(most);
 }
 
-template <class Space> bool IslandSolveOf<Space>::solve(const StepProblem& problem, Solver& solver, StepReport& report,
-                                                        SolverPool* pool, Solution& s) {
+template <class Space> bool IslandSolveOf<Space>::solve(StepProblem& problem, Solver& solver, StepReport& report,
+                                                        SolverPool* pool, Solution& s, ClosedContacts* closed) {
   const int count = islands_.count();
   if (count == 1 || one_holds_most(problem)) {
-    solver.solve(problem.whole(), s, Start::warm);
-    if (refines_) benches_[0].refinement.improve(problem.whole(), s);
+    const Lcp& whole = problem.whole();
+    {
+      const Loan<StepProblem> loan(problem, closed);
+      solver.solve(whole, s, Start::warm);
+    }
+    if (refines_) benches_[0].refinement.improve(whole, s);
     leave_coarse(s, unit_);
-    return report.note(problem.whole(), s);
+    return report.note(whole, s);
   }
   const Index n = problem.size();
   if (s.z.size() != n) s.z.resize(n), s.z.setZero();

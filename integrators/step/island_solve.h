@@ -13,6 +13,7 @@ namespace orthant {
 template <class Space> class IslandSolveOf {
  public:
   using StepProblem = StepProblemOf<Space>;
+  using ClosedContacts = typename StepProblem::ClosedContacts;
 
   IslandSolveOf(const SystemOf<Space>& system, const StepProblem& problem);
 
@@ -24,7 +25,9 @@ template <class Space> class IslandSolveOf {
 
   /// Solves from s.z as the first guess. True: every island has an answer; s is rounded where one of them is. Else s
   /// has the status, miss, certificate and ray of the first island that has none, and z and w up to there.
-  bool solve(const StepProblem& problem, Solver& solver, StepReport& report, SolverPool* pool, Solution& s);
+  /// closed: the terms', whose rows a large problem may free meanwhile (lent_rows.h); null: they stay.
+  bool solve(StepProblem& problem, Solver& solver, StepReport& report, SolverPool* pool, Solution& s,
+             ClosedContacts* closed = nullptr);
 
  private:
   struct Bench {  // of one worker

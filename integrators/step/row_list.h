@@ -32,6 +32,9 @@ template <class Row> class RowList {
   void end() {
     for (std::size_t k = 0; k < kept_.size(); ++k) at_[kept_[k]] = &own_[k];
   }
+  /// Reference i is to this row from now on, a copy of the one before.
+  void move_reference(std::size_t i, const Row& row) { at_[i] = &row; }
+  bool refers() const { return refers_; }
   Row& last_kept() { return own_.back(); }
 
   bool empty() const { return size() == 0; }

@@ -131,7 +131,7 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
     contacts_.push_back({c.contact, static_cast<std::uint32_t>(k), targets[k].law, mu, targets[k].slip,
                          slips && cone_ == Cone::coulomb});
     const bool edges = cone_ == Cone::relaxed && mu > 0;
-    places_[k].normal = static_cast<Index>(rows_.size());
+    places_[k].normal = static_cast<int>(rows_.size());
     if constexpr (kPlanar<Space>) {
       if (edges)
         rows_.keep(combined(c.rows.normal, mu, c.rows.tangent)),
@@ -161,7 +161,7 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
     for (const Contact& c : contacts_) {
       if (!c.frictional) continue;
       Place& place = places_[c.closed];
-      place.tangent = static_cast<Index>(rows_.size());
+      place.tangent = static_cast<int>(rows_.size());
       lcp_.friction.push_back({.normal = place.normal, .first = place.tangent, .rows = Space::kTangents, .mu = c.mu});
       for (std::size_t i = 0; i < Space::kTangents; ++i) rows_.add(row_of_tangent(terms.closed[c.closed].rows, i));
     }
@@ -341,6 +341,27 @@ template <class Space> bool StepProblemOf<Space>::regrade(const Vector& z, const
     any = true;
   }
   return any;
+}
+
+template <class Space> bool StepProblemOf<Space>::lend([[maybe_unused]] ClosedContacts& closed) {
+  if constexpr (kPlanar<Space>) return false;
+  const auto has_all = [](const Contact& c) { return c.frictional && c.jammed == nullptr; };
+  if (!formed_ || !rows_.refers() || size() < kLittle || contacts_.size() != closed.size() ||
+      !std::ranges::all_of(contacts_, has_all))
+    return false;
+  if constexpr (!kPlanar<Space>) lent_.take(closed);
+  return true;
+}
+
+template <class Space> void StepProblemOf<Space>::take_back([[maybe_unused]] ClosedContacts& closed) {
+  if constexpr (!kPlanar<Space>) {
+    lent_.give_back(std::get<Delassus>(lcp_.A).W, *this, closed);
+    for (std::size_t k = 0; k < closed.size(); ++k) {
+      const auto& [normal, tangents, point, belt] = closed[k].rows;
+      rows_.move_reference(at(normal_row(k)), normal);
+      for (std::size_t i = 0; i < tangents.size(); ++i) rows_.move_reference(at(tangent_row(k)) + i, tangents[i]);
+    }
+  }
 }
 
 template <class Space>

@@ -8,6 +8,7 @@
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/mechanics/dynamics/basic_system.h>
 #include <orthant/integrators/integrator.h>
+#include <orthant/integrators/step/lent_rows.h>
 #include <orthant/integrators/step/rate_targets.h>
 #include <orthant/integrators/step/row_list.h>
 #include <orthant/integrators/step/step_matrix.h>
@@ -36,6 +37,7 @@ template <class Space> class StepProblemOf {
   using RateTarget = RateTargetOf<Space>;
   using Impulse = ImpulseOf<Space>;
   using BasicSystem = BasicSystemOf<Space>;
+  using ClosedContacts = std::vector<ClosedContactOf<Space>>;
 
   struct NoDirection {};
   using Along = std::conditional_t<kPlanar<Space>, NoDirection, Tangents>;
@@ -122,12 +124,17 @@ template <class Space> class StepProblemOf {
   /// The problem of these rows, ascending.
   const Lcp& cut(std::span<const int> rows, Block& block) const;
 
+  /// Of a large operator that is formed: frees the rows of the terms' closed contacts until take_back(), as W has them
+  /// (lent_rows.h). rows() cannot be read meanwhile. False: they stay.
+  bool lend(ClosedContacts& closed);
+  void take_back(ClosedContacts& closed);
+
   /// v += B Jᵀ z, and the contacts' impulses; those of open contacts are zero.
   void advance(const Vector& z, Eigen::VectorXd& v, std::vector<Impulse>& impulses) const;
 
  private:
   struct Place {
-    Index normal = -1, tangent = -1;
+    int normal = -1, tangent = -1;
   };
   void add_turning(const Terms& terms);
   const Friction* friction_of(int row) const;  // null: none
@@ -150,6 +157,7 @@ template <class Space> class StepProblemOf {
   StepMatrixOf<Space> matrix_;
   mutable bool formed_ = false;
   bool dropped_ = false;
+  LentRows lent_;
 };
 extern template class StepProblemOf<Planar>;
 extern template class StepProblemOf<Spatial>;

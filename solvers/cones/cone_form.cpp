@@ -5,35 +5,34 @@
 
 namespace orthant {
 
-/// Blocks, their rows and units. True: the rows stand as in the problem.
-bool ConeForm::order(const Lcp& p) {
+/// Blocks, their rows and units.
+void ConeForm::order(const Lcp& p) {
   all_.load(p);
   all_.scale(p.A, d_);
   all_.apply(d_);
-  row_.clear(), of_.clear();
-  bool in_order = true;
-  for (int c = 0; c < all_.size(); ++c)
-    for (const int row : all_.rows(all_[c])) {
-      in_order = in_order && row == static_cast<int>(row_.size());
-      row_.push_back(row), of_.push_back(c);
-    }
-  return in_order;
 }
 
 void ConeForm::load_unformed(const Lcp& p) {
   order(p);
   operand_ = &std::get<Delassus>(p.A), source_ = nullptr;
   q.resize(p.size());
-  for (Index i = 0; i < p.size(); ++i) q[i] = d_[row_[at(i)]] * p.b[row_[at(i)]];
+  for (Index i = 0; i < p.size(); ++i) q[i] = d_[all_.row(i)] * p.b[all_.row(i)];
   norm_q = q.norm();
 }
 
 bool ConeForm::load(const Lcp& p) {
   const Index n = p.size();
-  const bool in_order = order(p);
+  order(p);
   operand_ = nullptr, source_ = std::get_if<Delassus>(&p.A);
-  place_.resize(at(n));
-  for (Index i = 0; i < n; ++i) place_[at(row_[at(i)])] = static_cast<int>(i);
+  place_.resize(at(n)), of_.clear();
+  bool in_order = true;
+  for (int c = 0; c < all_.size(); ++c)
+    for (const int row : all_.rows(all_[c])) {
+      const auto i = static_cast<int>(of_.size());
+      in_order = in_order && row == i;
+      place_[at(row)] = i;
+      of_.push_back(c);
+    }
   const RowSparse* const rows = rows_of(p.A, formed_, kFormed);
   if (rows == nullptr) return false;
   A.rows = A.cols = n;
@@ -41,7 +40,7 @@ bool ConeForm::load(const Lcp& p) {
   A.column.reserve(rows->column.size()), A.value.reserve(rows->value.size());
   q.resize(n), diagonal.resize(n);
   for (Index i = 0; i < n; ++i) {
-    const Index row = row_[at(i)];
+    const Index row = all_.row(i);
     const double d = d_[row];
     line_.clear();
     rows->for_each_in_row(row, [&](Index j, double value) { line_.emplace_back(place_[at(j)], d * value * d_[j]); });
@@ -79,7 +78,7 @@ void ConeForm::apply(const Vector& z, Vector& w) const {
     product_.resize(size());
     product_.noalias() = W.view() * inner_;
     if (regularization.size() != 0) product_.array() += regularization.array() * unscaled_.array();
-    for (Index i = 0; i < size(); ++i) w[i] = d_[row_[at(i)]] * product_[row_[at(i)]] + q[i];
+    for (Index i = 0; i < size(); ++i) w[i] = d_[all_.row(i)] * product_[all_.row(i)] + q[i];
     return;
   }
   w.noalias() = A.view() * z;
@@ -88,12 +87,12 @@ void ConeForm::apply(const Vector& z, Vector& w) const {
 
 void ConeForm::to_scaled(const Vector& z, Vector& scaled) const {
   scaled.resize(size());
-  for (Index i = 0; i < size(); ++i) scaled[i] = z[row_[at(i)]] / d_[row_[at(i)]];
+  for (Index i = 0; i < size(); ++i) scaled[i] = z[all_.row(i)] / d_[all_.row(i)];
 }
 
 void ConeForm::from_scaled(const Vector& scaled, Vector& z) const {
   z.resize(size());
-  for (Index i = 0; i < size(); ++i) z[row_[at(i)]] = scaled[i] * d_[row_[at(i)]];
+  for (Index i = 0; i < size(); ++i) z[all_.row(i)] = scaled[i] * d_[all_.row(i)];
 }
 
 }  // namespace orthant

@@ -29,7 +29,7 @@ class ConeForm {
   /// The operator whose entries were formed; null: the problem has entries. As long as the problem lives.
   const Delassus* source() const { return source_; }
   /// Of the problem, one a row here; D, one a row of the problem.
-  const std::vector<int>& rows_of_problem() const { return row_; }
+  const std::vector<int>& rows_of_problem() const { return all_.rows(); }
   const Vector& scale() const { return d_; }
 
   Index size() const { return q.size(); }
@@ -40,7 +40,7 @@ class ConeForm {
   /// Rows of the problem that block c stands for; their d.
   std::span<const int> rows(int c) const { return all_.rows(all_[c]); }
   double scale_of(int row_of_problem) const { return d_[row_of_problem]; }
-  /// The block of a row.
+  /// The block of a row of a formed problem.
   int block_of(int row) const { return of_[at(row)]; }
 
   /// ‖(e_c)‖ / ‖q'‖ for w = A z + q: the scale-free residual.
@@ -56,11 +56,11 @@ class ConeForm {
   double norm_q = 0;
 
  private:
-  bool order(const Lcp& problem);
+  void order(const Lcp& problem);
   cones::Blocks all_;
   const Delassus *operand_ = nullptr, *source_ = nullptr;
-  std::vector<int> row_, of_;  // of the problem, per row here; the block
-  Vector d_;                   // per row of the problem
+  std::vector<int> of_;  // the block, per row here
+  Vector d_;             // per row of the problem
   // Scratch: per row of the problem, its row here; an operator's entries; a row.
   std::vector<int> place_;
   RowSparse formed_;

@@ -32,6 +32,12 @@ double ConePgs::sweep(Vector& z, double omega, bool backward) {
   return (z - ahead_).norm();
 }
 
+void ConePgs::release() {
+  ConeSolver::release();
+  sweeps_ = {}, operator_sweeps_.release();
+  for (Vector* each : {&before_, &ahead_, &state_before_, &state_ahead_}) *each = Vector();
+}
+
 Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
   constexpr int kLook = 5;
   constexpr double kForeseenEnd = 3;  // of the end, a foreseen residual that is worth a look

@@ -37,6 +37,7 @@ class ConePgs final : public ConeSolver {
   double sweep(Vector& z, double omega, bool backward);
   void begin_accelerated(const Vector& z);
   bool takes_operators() const override { return true; }
+  void release() override;
   double tolerance() const override { return options_.tolerance; }
   Options options_;
   ConeSweeps sweeps_;

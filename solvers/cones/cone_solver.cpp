@@ -38,6 +38,11 @@ bool ConeSolver::finished(const Vector& z, double residual) {
   return budget().exhausted();
 }
 
+void ConeSolver::release() {
+  form_ = {};
+  for (Vector* each : {&z_, &w_, &best_}) *each = Vector();
+}
+
 Claim ConeSolver::run(const Lcp& problem, Solution& s, Start start) {
   problem_ = &problem, solution_ = &s;
   solved_ = false, least_ = kInf;

@@ -28,6 +28,7 @@ class ConeSolver : public Solver {
   /// The method can do without the entries of A: operators of many rows stay unformed. It looks at the start itself
   /// then, and needs no product with A.
   virtual bool takes_operators() const { return false; }
+  void release() override;
   /// The end: z solves the problem, or time is over. Fills residual().
   bool finished(const Vector& z);
   /// The same of a z whose residual is known.

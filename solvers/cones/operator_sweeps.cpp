@@ -33,6 +33,13 @@ void OperatorSweeps::load(const ConeForm& form, ThreadTeam* team) {
   part_.resize(at(domains_.count()));
 }
 
+void OperatorSweeps::release() {
+  domains_ = SweepDomains();
+  for (auto* each : {&own_, &part_}) std::vector<double>().swap(*each);
+  std::vector<int>().swap(place_), std::vector<char>().swap(alike_);
+  state_ = Vector();
+}
+
 void OperatorSweeps::find_own(int c) {
   const auto& [W, inverse_mass, regularization] = form_->operand();
   const cones::Block& b = form_->block(c);

@@ -20,6 +20,8 @@ class OperatorSweeps {
  public:
   /// A form whose operator is not formed; it must outlive the sweeps. `team`: null for the caller's thread alone.
   void load(const ConeForm& form, ThreadTeam* team = nullptr);
+  /// Frees what load() and start() have filled.
+  void release();
   /// State of this z, the start of the sweeps.
   void start(const Vector& z);
   /// One sweep, as ConeSweeps::sweep().

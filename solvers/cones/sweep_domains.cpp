@@ -31,8 +31,8 @@ void SweepDomains::load(const ConeForm& form) {
   if (count > kKept) {
     for (auto* each : {&node_start_, &node_, &use_start_, &use_, &node_of_, &of_, &queue_, &colour_of_, &last_,
                        &first_domain_, &next_domain_, &entry_})
-      *each = {};
-    hash_ = {}, queued_ = {};
+      std::vector<int>().swap(*each);  // = {} keeps the memory
+    std::vector<std::uint64_t>().swap(hash_), std::vector<char>().swap(queued_);
   }
 }
 

@@ -46,7 +46,9 @@ void Blocks::load(const Lcp& p) {
     most_rows_ = std::max(most_rows_, b.rows);
     blocks_.push_back(b);
   }
-  if (n > kKept) head_ = {}, place_ = {}, entry_ = {}, taken_ = {};
+  if (n <= kKept) return;
+  for (auto* each : {&head_, &place_, &entry_}) std::vector<int>().swap(*each);  // = {} keeps the memory
+  std::vector<char>().swap(taken_);
 }
 
 void Blocks::scale(const Matrix& A, Vector& d) const {

@@ -55,6 +55,9 @@ class Blocks {
   int size() const { return static_cast<int>(blocks_.size()); }
   const Block& operator[](int k) const { return blocks_[static_cast<std::size_t>(k)]; }
   std::span<const int> rows(const Block& b) const { return {row_.data() + b.start, static_cast<std::size_t>(b.rows)}; }
+  /// The problem's rows, one block after another.
+  const std::vector<int>& rows() const { return row_; }
+  int row(Index i) const { return row_[static_cast<std::size_t>(i)]; }
   std::span<const Part> parts(const Block& b) const {
     return {parts_.data() + b.parts_start, static_cast<std::size_t>(b.parts)};
   }

@@ -64,6 +64,8 @@ class Judge {  // the members are scratch: after the first problem of a size not
   void trust(const Judge& other) {
     if ((trusted_ = other.proved_) != nullptr) trusted_proof_ = other.proof_, trusted_in_doubles_ = other.in_doubles_;
   }
+  /// Frees the scratch of problems with friction discs.
+  void release() { cones_.release(); }
   /// Proofs of before count no more: the problem may be another.
   void forget() { proved_ = trusted_ = nullptr; }
   /// True when the cells are all that there are, and none of them holds a solution (cells.h).

@@ -14,12 +14,15 @@ using detail::kEpsilon;
 constexpr double kRoundingsOfCone = 20;  // units in the last place that are noise
 constexpr double kKnownRounding = 1e-6;  // ε t_c relative to β above which a w is unknown
 
-/// y ← A x, or |A| x for x ≥ 0 (of an operator |W| M⁻¹|W|ᵀ x, which is no less).
+/// y ← A x, or |A| x for x ≥ 0 (of an operator |W| M⁻¹|W|ᵀ x, which is no less; without R they may be the same vector).
 template <bool kAbsolute, class Number>
 void cone_product(const Matrix& A, const std::vector<Number>& x, std::vector<Number>& y) {
   const auto of = [](double a) { return kAbsolute ? std::abs(a) : a; };
-  y.assign(x.size(), 0);
-  if (for_each_entry(A, [&](Index i, Index j, double a) { y[at(i)] += of(a) * x[at(j)]; })) return;
+  if (!std::holds_alternative<Delassus>(A)) {
+    y.assign(x.size(), 0);
+    for_each_entry(A, [&](Index i, Index j, double a) { y[at(i)] += of(a) * x[at(j)]; });
+    return;
+  }
   const auto& [W, inverse_mass, regularization] = std::get<Delassus>(A);
   std::vector<Number> inner(at(W.cols), 0);
   const auto each = [&W = W](const auto& use) {
@@ -27,6 +30,7 @@ void cone_product(const Matrix& A, const std::vector<Number>& x, std::vector<Num
   };
   each([&](std::size_t i, std::size_t k, double w) { inner[k] += of(w) * x[i]; });
   for (std::size_t k = 0; k < inner.size(); ++k) inner[k] *= inverse_mass[static_cast<Index>(k)];
+  y.assign(x.size(), 0);
   each([&](std::size_t i, std::size_t k, double w) { y[i] += of(w) * inner[k]; });
   for (Index i = 0; i < regularization.size(); ++i) y[at(i)] += regularization[i] * x[at(i)];
 }
@@ -204,7 +208,7 @@ bool ConeJudge::surely_solved(const Lcp& problem, double tolerance) const {
 /// (2) itself.
 bool ConeJudge::weigh(const Lcp& problem, double tolerance, Solution& s) {
   const Index n = problem.size();
-  std::vector<double> from_bounds, largest(at(n));
+  std::vector<double> from_bounds;
   const auto datum = [&](Index i) {
     const double z = s.z[i], lo = problem.lo[i], hi = problem.hi[i];
     return std::abs(detail::on_bound(z, lo, hi) ? z : bound_near_zero(lo, hi));
@@ -215,18 +219,22 @@ bool ConeJudge::weigh(const Lcp& problem, double tolerance, Solution& s) {
     std::vector<double> data(at(n));
     for (Index i = 0; i < n; ++i) data[at(i)] = datum(i);
     cone_product<true>(problem.A, data, from_bounds);
-  } else {
-    from_bounds.assign(at(n), 0);
+    for (Index i = 0; i < n; ++i) from_bounds[at(i)] += std::abs(problem.b[i]);
   }
-  for (Index i = 0; i < n; ++i) from_bounds[at(i)] += std::abs(problem.b[i]);
+  const double* const own_data = bounded ? from_bounds.data() : problem.b.data();
   couple(problem.A);
   std::vector<double> beta(at(blocks_.size()), 0), most(at(blocks_.size()), 0);
   for (int c = 0; c < blocks_.size(); ++c) {
     const auto rows = blocks_.rows(blocks_[c]);
     double& of_part = beta[at(part_[at(c)])];
-    of_part = std::max(of_part, block_norm(rows, from_bounds.data(), d_));
+    of_part = std::max(of_part, block_norm(rows, own_data, d_));
     for (const int row : rows) most[at(part_[at(c)])] = std::max(most[at(part_[at(c)])], std::abs(s.z[row]) / d_[row]);
   }
+  // Of many rows one vector is enough: it is the argument and then the product.
+  const auto* const delassus = std::get_if<Delassus>(&problem.A);
+  std::vector<double> other;
+  std::vector<double>& largest = delassus != nullptr && delassus->regularization.size() == 0 ? unknown_terms_ : other;
+  largest.resize(at(n));
   for (int c = 0; c < blocks_.size(); ++c)
     for (const int row : blocks_.rows(blocks_[c])) largest[at(row)] = most[at(part_[at(c)])] * d_[row];
   cone_product<true>(problem.A, largest, unknown_terms_);

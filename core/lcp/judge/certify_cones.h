@@ -31,6 +31,8 @@ ConeResiduals cone_residuals(const Lcp& problem, const Vector& z);
 
 class ConeJudge {  // the members are scratch: most problems allocate nothing after the first of a size
  public:
+  /// Frees the scratch: some 200 B a contact.
+  void release() { *this = {}; }
   /// Fills w, residual (max e_c / d_c, units of w), rounding and miss of s from its z. True when (2) holds.
   bool passes(const Lcp& problem, double tolerance, Solution& s);
   /// Of the last z: no w can be known (not finite, or a runaway).
