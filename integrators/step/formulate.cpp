@@ -22,10 +22,11 @@ template <class Space> void FormulationOf<Space>::formulate(const Terms& terms, 
   collect();
   if (deficiency_.find(problem_)) collect();
   retarget(targets, v_free, joint_rate);
+  if constexpr (!kPlanar<Space>) guess_.fit(problem_, terms, system_.listed(), solution_.z);
 }
 
-template <class Space> bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, SolverPool* pool,
-                                                        ClosedContacts* closed) {
+template <class Space>
+bool FormulationOf<Space>::solve(Solver& solver, StepReport& report, SolverPool* pool, ClosedContacts* closed) {
   if (problem_.size() == 0) return true;
   if (problem_.no_normal() >= 0) {
     report.status = Status::numerical_error;

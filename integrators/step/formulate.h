@@ -28,6 +28,7 @@
 // Source: Brogliato & Acary (2008), ch. 10; Glocker, Set-Valued Force Laws (2001); Anitescu, Math. Program. 105 (2006).
 #pragma once
 
+#include <orthant/integrators/step/carried_guess.h>
 #include <orthant/integrators/step/island_solve.h>
 #include <orthant/integrators/step/spatial_rank_deficiency.h>
 #include <orthant/solvers/even_share.h>
@@ -102,8 +103,11 @@ template <class Space> class FormulationOf {
   const Solution& solution() const { return solution_; }
   /// Its rows, without the matrix.
   const StepProblemOf<Space>& step_problem() const { return problem_; }
-  void remember(CheckpointData& memory) { memory(solution_.z); }  // the next guess
-  void clear() { problem_.clear(); }                              // no problem, until the next is built
+  void remember(CheckpointData& memory) {  // the next guess
+    memory(solution_.z);
+    if constexpr (!kPlanar<Space>) memory(guess_);
+  }
+  void clear() { problem_.clear(); }  // no problem, until the next is built
 
   /// The impulse of dry friction i of the scene, where it has rows.
   double joint_friction(std::size_t i) const { return solution_.z[problem_.friction_row(i)]; }
@@ -122,6 +126,8 @@ template <class Space> class FormulationOf {
   IslandSolveOf<Space> islands_;
   RankDeficiencyOf<Space> deficiency_;
   EvenShare even_share_;
+  struct NoGuess {};
+  [[no_unique_address]] std::conditional_t<kPlanar<Space>, NoGuess, CarriedGuess> guess_;
   Solution solution_;
   const Terms* terms_ = nullptr;  // last formulated, for names
   bool friction_wins_ = false, precise_ = false;
