@@ -43,6 +43,7 @@ template <class Rows> void Islands::sort(const Rows& rows) {
     row_[start_[static_cast<std::size_t>(of_row_[i])]++] = static_cast<int>(i);
   for (std::size_t b = start_.size(); b-- > 1;) start_[b] = start_[b - 1];
   start_[0] = 0;
+  if (rows.size() > kReserved) std::vector<int>().swap(of_row_);
 }
 
 template Islands::Islands(const SystemOf<Planar>&);

@@ -58,6 +58,12 @@ StepMatrixOf<Space>::StepMatrixOf(const SystemOf<Space>& system, bool diagonal, 
   }
 }
 
+template <class Space> void StepMatrixOf<Space>::prepare(Matrix& A) const {
+  constexpr Index kLittle = 50000;  // coordinates
+  auto& made = A.emplace<Delassus>();
+  if (inverse_mass_.size() <= kLittle) made.inverse_mass = inverse_mass_;
+}
+
 template <class Space> void StepMatrixOf<Space>::respond(const BasicSystem& basic, const RowList<Row>& rows) {
   if (!dense_) {
     inverse_mass_ = basic.inverse_mass();

@@ -28,7 +28,8 @@ template <class Space> class StepMatrixOf {
   bool dense() const { return dense_; }
   double entry(const RowList<Row>& rows, Index i, Index j) const;  // A_ij
 
-  void prepare(Matrix& A) const { A.emplace<Delassus>().inverse_mass = inverse_mass_; }
+  /// A becomes an operator, with the memory that it can need where that is little.
+  void prepare(Matrix& A) const;
   void fill(const RowList<Row>& rows, Matrix& A) const;
   /// The block of some of the rows, by number, in the storage that A has. An operator has the columns of the bodies in
   /// these rows alone, in their order; `scratch` keeps its places. O(entries of the block).

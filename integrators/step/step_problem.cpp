@@ -145,9 +145,9 @@ template <class Space> void StepProblemOf<Space>::collect(const Terms& terms, co
         if (begun.size() == 0) begun = begun_by_normals(system_, terms, targets);
         slip = slip_rate(c.rows, begun.data());
       }
-      contact.along = direction_of_slip(slip);
+      contact.slip = direction_of_slip(slip);
       for (Index j = 0; j < kEdges; ++j) {
-        const auto [one, other] = edge_of(mu, contact.along, j, kEdges);
+        const auto [one, other] = edge_of(mu, contact.slip, j, kEdges);
         rows_.keep(combined(combined(c.rows.normal, one, c.rows.tangents[0]), other, c.rows.tangents[1]));
       }
     } else {
@@ -242,7 +242,7 @@ template <class Space> void StepProblemOf<Space>::retarget(const std::vector<Rat
       if (mu > 0) hold_against(want.normal - mu * want.tangent);
     } else if (mu > 0) {
       for (Index j = 0; j < kEdges; ++j)
-        hold_against(want.normal + inner(edge_of(mu, c.along, j, kEdges), want.tangent));
+        hold_against(want.normal + inner(edge_of(mu, c.slip, j, kEdges), want.tangent));
     } else {
       hold_against(want.normal);
     }
@@ -269,7 +269,7 @@ template <class Space> bool StepProblemOf<Space>::drop_restitution() {
       give(i++, c.elastic + c.mu * c.elastic_along), give(i++, c.elastic - c.mu * c.elastic_along);
     } else {
       for (Index j = 0; j < kEdges; ++j)
-        give(i++, c.elastic + inner(edge_of(c.mu, c.along, j, kEdges), c.elastic_along));
+        give(i++, c.elastic + inner(edge_of(c.mu, c.slip, j, kEdges), c.elastic_along));
     }
     for (std::size_t k = 0; c.frictional && k < Space::kTangents; ++k)
       give(places_[c.closed].tangent + static_cast<Index>(k), tangent_part(c.elastic_along, k));
@@ -380,9 +380,9 @@ void StepProblemOf<Space>::advance(const Vector& z, Eigen::VectorXd& v, std::vec
       impulse.normal += other;
     } else {
       const double first = impulse.normal;
-      impulse.tangent = edge_of(first * c.mu, c.along, 0, kEdges);
+      impulse.tangent = edge_of(first * c.mu, c.slip, 0, kEdges);
       for (Index j = 1; j < kEdges; ++j) {
-        const Tangents push = edge_of(z[i] * c.mu, c.along, j, kEdges);
+        const Tangents push = edge_of(z[i] * c.mu, c.slip, j, kEdges);
         impulse.normal += z[i++];
         impulse.tangent.first += push.first, impulse.tangent.second += push.second;
       }

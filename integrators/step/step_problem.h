@@ -39,18 +39,15 @@ template <class Space> class StepProblemOf {
   using BasicSystem = BasicSystemOf<Space>;
   using ClosedContacts = std::vector<ClosedContactOf<Space>>;
 
-  struct NoDirection {};
-  using Along = std::conditional_t<kPlanar<Space>, NoDirection, Tangents>;
   struct Contact {             // a closed one, in the order of its normal row
     int index = 0;             // in the scene
     std::uint32_t closed = 0;  // among the closed ones
     const ContactLaw* law = nullptr;
     double mu = 0;
-    Tangent<Space> slip{};
-    bool frictional = false;            // has tangent rows (coulomb)
-    [[no_unique_address]] Along along;  // unit vector of the first edge's tangent (relaxed, space)
-    const Row* jammed = nullptr;        // its normal, where the joints drive it inwards: its own row is zero then
-    double rebound = 0;                 // of its target, what restitution asks for
+    Tangent<Space> slip{};        // before the step; relaxed, in space: unit vector of the first edge's tangent
+    bool frictional = false;      // has tangent rows (coulomb)
+    const Row* jammed = nullptr;  // its normal, where the joints drive it inwards: its own row is zero then
+    double rebound = 0;           // of its target, what restitution asks for
     double elastic = 0;  // of its target: what is gone with e = 0 and overlaps left as they are; its tangent's: e_T = 0
     Tangent<Space> elastic_along{};
   };

@@ -6,7 +6,10 @@
 namespace orthant {
 
 std::string ConeSolver::why_not(const Lcp& p) const {
-  static thread_local std::vector<int> rows;
+  constexpr Index kKept = 50000;  // rows up to which the memory stays
+  static thread_local std::vector<int> kept;
+  std::vector<int> own;
+  std::vector<int>& rows = p.size() > kKept ? own : kept;
   rows.assign(at(p.size()), 1);
   for (const Friction& f : p.friction)
     if ((rows[at(f.normal)] += static_cast<int>(f.rows)) > cones::kMostRows)
