@@ -1,6 +1,8 @@
 // The first guess of a step's impulses in space: each contact's own of the step before, whatever others do.
 #include "tests/support/spatial.h"
 
+#include <orthant/core/scenes/motion.h>
+
 #include <doctest/doctest.h>
 
 using namespace orthant;
