@@ -9,15 +9,17 @@
 // the track has contacts: else a step is the evaluation of the joints, a factorization of the saddle matrix, its
 // solves, and the projection of positions onto the joints.
 //
-// A Markdown table: processor time of a step per body, the median of the counted ones; that of the first step with the
-// integrator's construction (the order of elimination is found there, once) per body; memory at its peak per body, less
-// that of an empty process. Each case is a process of its own. The last column is the slope of ln(time of a step) over
-// ln(bodies) against the row before: 1 is linear.
+// A Markdown table, or a CSV file with --data: processor time of a step per body, the median of the counted ones; that
+// of the first step with the integrator's construction (the order of elimination is found there, once) per body; memory
+// at its peak per body, less that of an empty process. Each case is a process of its own. The last column is the slope
+// of ln(time of a step) over ln(bodies) against the row before: 1 is linear.
 #include "experiments/studies/support/track.h"
 #include "experiments/support/between.h"
 #include "experiments/support/clock.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/isolated.h"
+#include "experiments/support/memory.h"
+#include "experiments/support/rows_file.h"
 
 #include <orthant/core/mechanics/scene/scene.h>
 #include <orthant/core/mechanics/spatial/scene.h>
@@ -27,12 +29,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -134,12 +135,6 @@ template <class Kind> typename Kind::Scene mechanism(const std::string& kind, in
   return kind == "net" ? net<Kind>(count) : rods<Kind>(count, kind == "tree");
 }
 
-double peak_memory() {  // [B]
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 /// "bodies first-step-seconds step-seconds bytes joint-residual".
 template <class Kind> std::string measured(const std::string& kind, int count, const std::string& scheme, int steps) {
   using Space = typename Kind::Space;
@@ -177,10 +172,18 @@ struct Plan {
   double limit = 600;  // of a case [s]
 };
 
-/// Prints the row; returns bodies and time of a step, zeros where there are none.
-std::pair<double, double> one_case(const Plan& plan, const std::string& kind, int dimension, const std::string& scheme,
-                                   int size, const std::pair<double, double>& last) {
-  std::pair<double, double> here{0, 0};
+struct CaseRow {
+  std::string kind;
+  int dimension;
+  std::string scheme;
+  double bodies = 0, step = 0, first = 0, bytes = 0, residual = 0;  // [s, s, B, m]
+  double growth = 0;                                                // NaN: there is no row before
+  std::string status = "solved";                                    // else the reason; without figures
+};
+
+CaseRow one_case(const Plan& plan, const std::string& kind, int dimension, const std::string& scheme, int size,
+                 const CaseRow* last) {
+  CaseRow row{kind, dimension, scheme};
   Isolated isolated(1, 0);
   const auto work = [&] {
     return dimension == 2 ? measured<PlaneKind>(kind, size, scheme, plan.steps)
@@ -188,23 +191,45 @@ std::pair<double, double> one_case(const Plan& plan, const std::string& kind, in
   };
   isolated.start(work, plan.limit, [&](const Outcome& outcome) {
     std::istringstream words(outcome.text);
-    double bodies = 0, first = 0, step = 0, bytes = 0, residual = 0;
-    std::cout << "| " << kind << " | " << dimension << " | `" << scheme << "` | ";
-    if (outcome.kind == Outcome::finished && words >> bodies >> first >> step >> bytes >> residual) {
-      std::cout << bodies << " | " << 1e6 * step / bodies << " | " << 1e6 * first / bodies << " | "
-                << 1e-3 * bytes / bodies << " | " << residual << " | ";
-      if (last.first > 0)
-        std::cout << std::log(step / last.second) / std::log(bodies / last.first);
-      else
-        std::cout << "–";
-      here = {bodies, step};
-    } else {
-      std::cout << size << " | " << (outcome.kind == Outcome::killed ? "late" : outcome.text) << " | – | – | – | –";
-    }
-    std::cout << " |" << std::endl;
+    if (outcome.kind != Outcome::finished ||
+        !(words >> row.bodies >> row.first >> row.step >> row.bytes >> row.residual))
+      row.bodies = size, row.status = outcome.kind == Outcome::killed ? "late" : outcome.text;
   });
   isolated.wait_for_all();
-  return here;
+  const bool comparable = row.status == "solved" && last != nullptr && last->status == "solved";
+  row.growth = comparable ? std::log(row.step / last->step) / std::log(row.bodies / last->bodies) : std::nan("");
+  return row;
+}
+
+/// The cells of a row from its time on: of both forms.
+std::string cells(const CaseRow& row, const char* between, const char* none) {
+  std::ostringstream line;
+  line << std::setprecision(3);
+  if (row.status == "solved") {
+    line << 1e6 * row.step / row.bodies << between << 1e6 * row.first / row.bodies << between
+         << 1e-3 * row.bytes / row.bodies << between << row.residual << between;
+    if (std::isnan(row.growth))
+      line << none;
+    else
+      line << row.growth;
+  } else {
+    line << none << between << none << between << none << between << none << between << none;
+  }
+  return line.str();
+}
+
+/// Every case, in order; see(row) as soon as it is there.
+template <class See> void all_cases(const Plan& plan, See&& see) {
+  for (const int dimension : plan.dimensions)
+    for (const std::string& kind : plan.kinds)
+      for (const std::string& scheme : plan.schemes) {
+        if (kind == "track" && dimension == 3) continue;
+        std::optional<CaseRow> last;
+        for (const int size : plan.sizes) {
+          last = one_case(plan, kind, dimension, scheme, size, last ? &*last : nullptr);
+          see(*last);
+        }
+      }
 }
 
 }  // namespace
@@ -212,6 +237,7 @@ std::pair<double, double> one_case(const Plan& plan, const std::string& kind, in
 int main(int argc, char** argv) try {
   CLI::App app("Growth of the cost of chains, trees, nets and tracks: time of a step and memory per body");
   Plan plan;
+  std::string data;
   app.add_option("--dimensions", plan.dimensions, "2, 3")->check(CLI::IsMember({2, 3}))->capture_default_str();
   app.add_option("--kinds", plan.kinds, "of mechanisms")
       ->check(CLI::IsMember({"chain", "tree", "net", "track"}))
@@ -225,18 +251,26 @@ int main(int argc, char** argv) try {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--time-limit", plan.limit, "of a case [s]")->check(between(1e-3, 1e6))->capture_default_str();
+  app.add_option("--data", data, "CSV file in place of the table");
   if (const auto end = parse(app, argc, argv)) return *end;
+  if (!data.empty()) {
+    RowsFile file(data, false,
+                  "kind,dimension,integrator,bodies,status,step_us_a_body,first_us_a_body,kB_a_body,joints_m,growth");
+    all_cases(plan, [&](const CaseRow& row) {
+      std::ostringstream line;
+      line << row.kind << ',' << row.dimension << ",\"" << row.scheme << "\"," << row.bodies << ",\"" << row.status
+           << "\"," << cells(row, ",", "");
+      file.row(line.str());
+    });
+    return 0;
+  }
   std::cout << "| mechanism | dimension | integrator | bodies | step, µs a body | start, µs a body | "
                "memory, kB a body | "
-               "joints | growth |\n|---|---|---|---|---|---|---|---|---|\n"
-            << std::setprecision(3);
-  for (const int dimension : plan.dimensions)
-    for (const std::string& kind : plan.kinds)
-      for (const std::string& scheme : plan.schemes) {
-        if (kind == "track" && dimension == 3) continue;
-        std::pair<double, double> last{0, 0};
-        for (const int size : plan.sizes) last = one_case(plan, kind, dimension, scheme, size, last);
-      }
+               "joints | growth |\n|---|---|---|---|---|---|---|---|---|\n";
+  all_cases(plan, [](const CaseRow& row) {
+    std::cout << "| " << row.kind << " | " << row.dimension << " | `" << row.scheme << "` | " << row.bodies << " | "
+              << (row.status == "solved" ? "" : row.status + ": ") << cells(row, " | ", "–") << " |" << std::endl;
+  });
 } catch (const std::exception& error) {
   std::cerr << "mechanism_scaling: " << error.what() << '\n';
   return 1;
