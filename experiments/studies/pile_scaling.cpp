@@ -7,15 +7,19 @@
 // stands the slope of each quantity in a log-log fit over the number of contacts. The second table has each solver's
 // time on the last step's problem, from a cold start, until the judge accepts a residual (relative to the problem's
 // data).
-// With --data there is one CSV file instead: a line for each number of bodies and of threads, each of a process of its
-// own from the start on, with the hash of its last state.
+// With --data there is one CSV file instead, of all --kinds. The last steps of each pile are taken again, from the same
+// settled state, by each of --solvers to each of --tolerances in each number of threads. Each is a line, from a process
+// of its own, with the status of its end and the hash of its last state. Where the status is not `solved`, time, sweeps
+// and residual are those of the step that ends without an answer.
 // With --columns there is one table only: of spheres on top of one another, at rest, the iterations of each solver and
 // its factorizations from a cold start to the first of the residuals.
 #include "experiments/support/between.h"
 #include "experiments/support/clock.h"
 #include "experiments/support/command_line.h"
 #include "experiments/support/isolated.h"
+#include "experiments/support/memory.h"
 #include "experiments/support/reference_kernel.h"
+#include "experiments/support/rows_file.h"
 
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/mechanics/spatial/solid.h>
@@ -28,13 +32,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -72,6 +72,9 @@ struct Settling {
   double fall, h, tolerance, time_limit;  // [s], –, [s]
   long counted;                           // of the last steps
   std::vector<int> threads;               // by turns in these
+
+  long steps() const { return std::max(1L, std::lround(fall / h)); }
+  long last_steps() const { return std::min(steps(), counted); }
 };
 
 /// What the last steps cost and reached.
@@ -86,20 +89,9 @@ struct Cost {
   double scale_free = 0;                 // residual of the last step's problem (certify_cones.h)
   std::uint64_t state = kHashOfNothing;  // of the last q and v
   Lcp problem;                           // of the last step, where it is wanted
+  Status status = Status::solved;        // else of the step without an answer: only its sweeps, time, residual are set
+  std::string end;                       // that step and its reason
 };
-
-double peak_memory() {  // [B]
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-double resident_memory() {  // [B]
-  std::ifstream file("/proc/self/statm");
-  double all = 0, resident = 0;
-  file >> all >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 std::uint64_t hash_of(const Eigen::VectorXd& x, std::uint64_t hash) {
   return fnv1a({reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)}, hash);
@@ -109,62 +101,101 @@ double wall_time() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Throws std::runtime_error with the reason where a step ends without an answer.
-template <class Space, class Scene> Cost settled(Scene&& scene, double gravity, const Settling& way, bool problem) {
-  using System = SystemOf<Space>;
-  Cost cost;
-  const double before = resident_memory();
-  const System system(std::forward<Scene>(scene));
-  const auto scheme = make_integrator("moreau-jean", system);
+/// The solver of the steps in each number of threads.
+std::vector<std::unique_ptr<Solver>> solvers_of(const Settling& way) {
   std::vector<std::unique_ptr<Solver>> solvers;
   for (const int threads : way.threads) {
     solvers.push_back(make_solver(with(way.by, way.tolerance, threads)));
     solvers.back()->set_time_limit(way.time_limit);
   }
-  State x = system.initial_state();
-  const double built = resident_memory();
-  cost.body_bytes = (built - before) / system.bodies();
-  const long steps = std::max(1L, std::lround(way.fall / way.h)), counted = std::min(steps, way.counted);
-  const auto turns = static_cast<long>(solvers.size());
-  std::vector<long> taken(solvers.size());
-  cost.wall.resize(solvers.size());
-  double bytes = 0;
-  for (long k = 0; k < steps; ++k) {
-    const auto turn = static_cast<std::size_t>(k < steps - counted ? turns - 1 : k % turns);
-    const double begin = thread_time(), wall = wall_time(), processor = rival::processor_time();
-    const StepReport report = scheme->step(way.h, *solvers[turn], x);
-    const double seconds = thread_time() - begin;
-    const double of_process = rival::processor_time() - processor;
-    if (report.status != Status::solved)
-      throw std::runtime_error("step " + std::to_string(k) + ": " + std::string(name(report.status)) + " " +
-                               std::string(scheme->why()));
-    bytes = std::max(bytes, resident_memory() - built);
-    if (k < steps - counted) continue;
-    double contacts = 0;
-    for (const auto& impulse : scheme->impulses()) contacts += impulse.normal > 0;
-    cost.contacts += contacts / static_cast<double>(counted);
-    cost.iterations += report.lcp_iterations / static_cast<double>(counted);
-    cost.processor += of_process / static_cast<double>(counted);
-    ++taken[turn], cost.wall[turn] += wall_time() - wall;
-    if (way.threads[turn] == 1) cost.seconds += seconds;
-    cost.residual = std::max(cost.residual, report.lcp_residual / (gravity * way.h));
-    cost.penetration = std::max(cost.penetration, report.penetration);
-    cost.rows = report.lcp_rows;
-  }
-  for (std::size_t turn = 0; turn < solvers.size(); ++turn) {
-    if (taken[turn] == 0) continue;
-    cost.wall[turn] /= static_cast<double>(taken[turn]);
-    if (way.threads[turn] == 1) cost.seconds /= static_cast<double>(taken[turn]);
-  }
-  cost.contact_bytes = cost.contacts > 0 ? bytes / cost.contacts : 0;
-  cost.peak = peak_memory();
-  cost.state = hash_of(x.v, hash_of(x.q, cost.state));
-  if (const auto* stepping = dynamic_cast<const VelocitySteppingOf<Space>*>(scheme.get()))
-    if (const Vector& z = stepping->formulation().solution().z; z.size() == scheme->problem().size())
-      cost.scale_free = cone_residuals(scheme->problem(), z).scale_free;
-  if (problem) cost.problem = scheme->problem();
-  return cost;
+  return solvers;
 }
+
+/// A pile and its motion. Memory counts from here on.
+template <class Space> class Motion {
+ public:
+  using System = SystemOf<Space>;
+  template <class Scene> Motion(Scene&& scene, double gravity) : system_(std::forward<Scene>(scene)), g_(gravity) {}
+
+  /// The steps before those that count, by the last number of threads.
+  Cost settle(const Settling& way) {
+    Cost cost;
+    const auto solvers = solvers_of(way);
+    for (steps_ = 0; steps_ < way.steps() - way.last_steps(); ++steps_)
+      if (!step(way.h, *solvers.back(), cost)) break;
+    return cost;
+  }
+
+  /// The steps that count, by each number of threads in turn.
+  Cost last_steps(const Settling& way) {
+    Cost cost;
+    const auto solvers = solvers_of(way);
+    const auto turns = static_cast<long>(solvers.size()), counted = way.last_steps();
+    std::vector<long> taken(solvers.size());
+    cost.wall.resize(solvers.size());
+    for (long k = 0; k < counted; ++k, ++steps_) {
+      const auto turn = static_cast<std::size_t>(steps_ % turns);
+      const double begin = thread_time(), wall = wall_time(), processor = rival::processor_time();
+      const bool solved = step(way.h, *solvers[turn], cost);
+      const double seconds = thread_time() - begin, of_process = rival::processor_time() - processor;
+      if (!solved) {
+        cost.wall[turn] = wall_time() - wall, cost.processor = of_process;
+        look_at_problem(cost);
+        return cost;
+      }
+      double contacts = 0;
+      for (const auto& impulse : scheme_->impulses()) contacts += impulse.normal > 0;
+      cost.contacts += contacts / static_cast<double>(counted);
+      cost.iterations += report_.lcp_iterations / static_cast<double>(counted);
+      cost.processor += of_process / static_cast<double>(counted);
+      ++taken[turn], cost.wall[turn] += wall_time() - wall;
+      if (way.threads[turn] == 1) cost.seconds += seconds;
+      cost.residual = std::max(cost.residual, report_.lcp_residual / (g_ * way.h));
+      cost.penetration = std::max(cost.penetration, report_.penetration);
+      cost.rows = report_.lcp_rows;
+    }
+    for (std::size_t turn = 0; turn < solvers.size(); ++turn) {
+      if (taken[turn] == 0) continue;
+      cost.wall[turn] /= static_cast<double>(taken[turn]);
+      if (way.threads[turn] == 1) cost.seconds /= static_cast<double>(taken[turn]);
+    }
+    cost.body_bytes = (built_ - before_) / system_.bodies();
+    cost.contact_bytes = cost.contacts > 0 ? bytes_ / cost.contacts : 0;
+    cost.peak = peak_memory();
+    cost.state = hash_of(state_.v, hash_of(state_.q, cost.state));
+    look_at_problem(cost);
+    return cost;
+  }
+
+  const Lcp& problem() const { return scheme_->problem(); }
+
+ private:
+  /// False where it has no answer: then `cost` has the reason.
+  bool step(double h, Solver& solver, Cost& cost) {
+    report_ = scheme_->step(h, solver, state_);
+    bytes_ = std::max(bytes_, resident_memory() - built_);
+    if (report_.status == Status::solved) return true;
+    cost.status = report_.status, cost.iterations = report_.lcp_iterations;
+    cost.end =
+        "step " + std::to_string(steps_) + ": " + std::string(name(report_.status)) + " " + std::string(scheme_->why());
+    return false;
+  }
+
+  void look_at_problem(Cost& cost) const {
+    if (const auto* stepping = dynamic_cast<const VelocitySteppingOf<Space>*>(scheme_.get()))
+      if (const Vector& z = stepping->formulation().solution().z; z.size() == problem().size())
+        cost.scale_free = cone_residuals(problem(), z).scale_free;
+  }
+
+  double before_ = resident_memory();  // [B]
+  System system_;
+  double g_;
+  std::unique_ptr<IntegratorOf<Space>> scheme_ = make_integrator("moreau-jean", system_);
+  State state_ = system_.initial_state();
+  double built_ = resident_memory(), bytes_ = 0;  // [B] with the pile; that steps add
+  StepReport report_;
+  long steps_ = 0;
+};
 
 /// The problem of a column of spheres at rest, each on the next one.
 Lcp column(int count, double h) {
@@ -231,56 +262,125 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-enum class Kind { discs, spheres, pour };
+enum class Kind { discs, well, pour };
 
-Cost by_kind(Kind kind, int count, Pour pouring, const Settling& way, bool problem) {
-  pouring.count = count;
-  return kind == Kind::pour      ? settled<Spatial>(pour(pouring), pouring.g, way, problem)
-         : kind == Kind::spheres ? settled<Spatial>(spheres({.count = count}), kGravity, way, problem)
-                                 : settled<Planar>(pile({.discs = count}), kGravity, way, problem);
+/// What piles up.
+struct Bodies {
+  std::string name;
+  Kind kind = Kind::discs;
+  Pour pouring;  // of Kind::pour
+
+  /// Returns see(the pile at rest, its gravity).
+  template <class See> auto in_motion(int count, See&& see) const {
+    Pour all = pouring;
+    all.count = count;
+    return kind == Kind::pour   ? see(Motion<Spatial>(pour(all), all.g))
+           : kind == Kind::well ? see(Motion<Spatial>(spheres({.count = count}), kGravity))
+                                : see(Motion<Planar>(pile({.discs = count}), kGravity));
+  }
+};
+
+Bodies bodies_of(const std::string& name, const Pour& pouring) {
+  Bodies bodies{name, name == "discs" ? Kind::discs : name == "well" ? Kind::well : Kind::pour, pouring};
+  for (std::size_t i = 0; i < Pour::kBodiesNames.size(); ++i)
+    if (name == Pour::kBodiesNames[i]) bodies.pouring.bodies = static_cast<Pour::Bodies>(i);
+  return bodies;
 }
 
-/// The file of --data. Returns the exit code: 3 where a case ends without an answer, or two numbers of threads differ.
-int write_data(const std::string& path, Kind kind, const std::vector<int>& sizes, const Pour& pouring,
-               const Settling& way) {
-  std::ofstream file(path);
-  file << "bodies,contacts,threads,sweeps,processor_us_a_contact,wall_ms,scale_free,overlap_um,peak_MB,B_a_contact,"
-          "state\n";
+/// The cases of --data.
+struct Cases {
+  std::vector<Bodies> kinds;
+  std::vector<int> sizes;
+  std::vector<std::string> solvers;
+  std::vector<double> tolerances;
+};
+
+/// Cells that the lines of one case begin with.
+std::string beginning(const Bodies& bodies, int count, const Settling& way) {
+  std::ostringstream line;
+  line << bodies.name << ',' << count << ',' << way.steps() - way.last_steps() << ",\"" << way.by << "\","
+       << way.tolerance << ',' << way.threads[0] << ',';
+  return line.str();
+}
+
+std::string cells(const Cost& cost) {
+  std::ostringstream line;
+  line << std::setprecision(4) << name(cost.status) << ',';
+  if (cost.status != Status::solved) {
+    line << ',' << cost.iterations << ",," << 1e3 * cost.wall[0] << ',' << cost.scale_free << ",,,,";
+    return line.str();
+  }
+  line << std::lround(cost.contacts) << ',' << cost.iterations << ',' << 1e6 * cost.processor / cost.contacts << ','
+       << 1e3 * cost.wall[0] << ',' << cost.scale_free << ',' << 1e6 * cost.penetration << ','
+       << std::lround(1e-6 * cost.peak) << ',' << std::lround(cost.peak / cost.contacts) << ',' << std::hex
+       << cost.state;
+  return line.str();
+}
+
+/// All lines of one pile: it settles, and its last steps are taken from there in each way, each in a process of its own.
+template <class Space>
+std::string lines_of(Motion<Space>&& pile, const Bodies& bodies, int count, const Cases& cases, const Settling& way) {
+  Settling before = way;
+  before.threads = {1};
+  const Cost settled = pile.settle(before);
+  std::string lines;
+  for (const std::string& solver : cases.solvers)
+    for (const double tolerance : cases.tolerances)
+      for (const int threads : way.threads) {
+        Settling one = way;
+        one.by = solver, one.tolerance = tolerance, one.threads = {threads};
+        lines += beginning(bodies, count, one);
+        if (settled.status != Status::solved) {
+          lines += "settling: " + std::string(name(settled.status)) + ",,,,,,,,,\n";
+          continue;
+        }
+        Isolated child(1, 0);
+        child.start([&] { return cells(pile.last_steps(one)); }, 1e7,
+                    [&](const Outcome& outcome) {
+                      lines += (outcome.kind == Outcome::finished ? outcome.text : outcome.text + ",,,,,,,,,") + '\n';
+                    });
+        child.wait_for_all();
+      }
+  if (!settled.end.empty()) std::cerr << "pile_scaling: " << count << ' ' << bodies.name << ", " << settled.end << '\n';
+  return lines;
+}
+
+/// The file of --data. Returns the exit code: 3 where two numbers of threads differ. Cases without an answer are lines.
+int write_data(const std::string& path, bool append, const Cases& cases, const Settling& way) {
+  RowsFile file(path, append,
+                "kind,bodies,settling,solver,tolerance,threads,status,contacts,sweeps,processor_us_a_contact,wall_ms,"
+                "scale_free,overlap_um,peak_MB,B_a_contact,state");
   Isolated children(1, 0);
-  bool all = true;
-  for (const int count : sizes) {
-    std::string state;
-    for (const int threads : way.threads) {
-      Settling one = way;
-      one.threads = {threads};
+  bool same = true;
+  for (const Bodies& bodies : cases.kinds)
+    for (const int count : cases.sizes) {
       const auto work = [&] {
-        const Cost cost = by_kind(kind, count, pouring, one, false);
-        std::ostringstream line;
-        line << std::setprecision(4) << count << ',' << std::lround(cost.contacts) << ',' << threads << ','
-             << cost.iterations << ',' << 1e6 * cost.processor / cost.contacts << ',' << 1e3 * cost.wall[0] << ','
-             << cost.scale_free << ',' << 1e6 * cost.penetration << ',' << std::lround(1e-6 * cost.peak) << ','
-             << std::lround(cost.peak / cost.contacts) << ',' << std::hex << cost.state;
-        return line.str();
+        return bodies.in_motion(count,
+                                [&](auto&& pile) { return lines_of(std::move(pile), bodies, count, cases, way); });
       };
       children.start(work, 1e7, [&](const Outcome& outcome) {
         if (outcome.kind != Outcome::finished) {
-          std::cerr << "pile_scaling: " << count << " bodies, " << outcome.text << '\n';
-          all = false;
+          file.row(bodies.name + ',' + std::to_string(count) + ",,,,," + outcome.text + ",,,,,,,,,");
           return;
         }
-        file << outcome.text << std::endl;
-        std::cout << outcome.text << std::endl;
-        const std::string hash = outcome.text.substr(outcome.text.rfind(',') + 1);
-        if (!state.empty() && hash != state) {
-          std::cerr << "pile_scaling: " << count << " bodies: the state depends on the number of threads\n";
-          all = false;
+        std::istringstream lines(outcome.text);
+        std::vector<std::string> states;
+        for (std::string line; std::getline(lines, line);) {
+          file.row(line);
+          states.push_back(line.substr(line.rfind(',') + 1));
         }
-        state = hash;
+        const std::size_t threads = way.threads.size();
+        for (std::size_t i = 0; i < states.size(); ++i)
+          if (const std::string& first = states[i - i % threads];
+              states[i] != first && states[i] != "" && first != "") {
+            std::cerr << "pile_scaling: " << count << ' ' << bodies.name
+                      << ": the state depends on the number of threads\n";
+            same = false;
+          }
       });
       children.wait_for_all();
     }
-  }
-  return all && file ? 0 : 3;
+  return same ? 0 : 3;
 }
 
 }  // namespace
@@ -293,22 +393,27 @@ int main(int argc, char** argv) try {
   int dimension = 2;
   bool steps_only = false;
   std::string poured, data;
+  std::vector<std::string> kinds;
+  bool append = false;
   std::vector<int> heights;
   Pour pouring;
   Settling way{
       .by = "nncg", .fall = 0.3, .h = 1e-3, .tolerance = kSettling, .time_limit = 5, .counted = 20, .threads = {1}};
-  app.add_option("--dimension", dimension, "2: discs in a trough, 3: spheres in a well")
-      ->check(CLI::IsMember({2, 3}))
-      ->capture_default_str();
-  app.add_option("--pour", poured, "in space, into a box of the ground's shapes: these bodies (core/scenes/spheres.h)")
-      ->check(CLI::IsMember(std::vector<std::string>(Pour::kBodiesNames.begin(), Pour::kBodiesNames.end())));
+  CLI::Option* dimension_option = app.add_option("--dimension", dimension, "2: discs in a trough, 3: spheres in a well")
+                                      ->check(CLI::IsMember({2, 3}))
+                                      ->capture_default_str();
+  CLI::Option* pour_option =
+      app.add_option("--pour", poured,
+                     "in space, into a box of the ground's shapes: these bodies (core/scenes/spheres.h)")
+          ->check(CLI::IsMember(std::vector<std::string>(Pour::kBodiesNames.begin(), Pour::kBodiesNames.end())));
   app.add_option("--apart", pouring.apart, "places of --pour, in diameters")
       ->check(between(1.0, 10.0))
       ->capture_default_str();
   app.add_option("--spread", pouring.spread, "of the sizes of --pour")->check(between(0.0, 0.5))->capture_default_str();
   app.add_option("--columns", heights, "the other table: of columns of so many spheres")->check(CLI::Range(1, 100000));
   app.add_option("--sizes", sizes, "numbers of bodies")->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--solvers", specs, "without a tolerance")->capture_default_str();
+  app.add_option("--solvers", specs, "of the second table, or of the last steps of --data; without a tolerance")
+      ->capture_default_str();
   app.add_flag("--steps-only", steps_only, "without the second table");
   app.add_option("--tolerances", tolerances, "relative residuals")->check(between(1e-14, 1.0))->capture_default_str();
   app.add_option("--by", way.by, "solver of the steps while the pile settles")->capture_default_str();
@@ -323,23 +428,32 @@ int main(int argc, char** argv) try {
   app.add_option("--threads", way.threads, "inside the solver, by turns; of pgs, psor, sgs, nncg in space")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--data", data, "CSV file in place of the tables: each case in a process of its own");
+  CLI::Option* file = app.add_option("--data", data, "CSV file in place of the tables, with the cases that fail");
+  app.add_option("--kinds", kinds, "of --data: discs, well (spheres in it), spheres, boxes, capsules, mixed (poured)")
+      ->check(CLI::IsMember({"discs", "well", "spheres", "boxes", "capsules", "mixed"}))
+      ->needs(file)
+      ->excludes(pour_option)
+      ->excludes(dimension_option);
+  app.add_flag("--append", append, "to the file of --data")->needs(file);
   app.add_option("--time-limit", way.time_limit, "of a solve [s]")->check(between(1e-3, 1e6))->capture_default_str();
   if (const auto end = parse(app, argc, argv)) return *end;
-  const Kind kind = !poured.empty() ? Kind::pour : dimension == 3 ? Kind::spheres : Kind::discs;
-  if (!steps_only)
-    for (const std::string& spec : specs) make_solver(with(spec, kSettling));
-  for (const int threads : way.threads)
-    make_solver(with(way.by, kSettling, threads));  // an unknown one is refused before the table
-  for (std::size_t i = 0; i < Pour::kBodiesNames.size(); ++i)
-    if (poured == Pour::kBodiesNames[i]) pouring.bodies = static_cast<Pour::Bodies>(i);
+  if (!steps_only || !data.empty())  // an unknown one is refused before the table
+    for (const std::string& spec : specs)
+      for (const int threads : data.empty() ? std::vector{1} : way.threads) make_solver(with(spec, kSettling, threads));
+  for (const int threads : data.empty() ? way.threads : std::vector{1}) make_solver(with(way.by, kSettling, threads));
+  if (kinds.empty()) kinds = {!poured.empty() ? poured : dimension == 3 ? "well" : "discs"};
 
   if (!heights.empty()) {
     columns(heights, specs, tolerances.front(), way);
     return 0;
   }
-  if (!data.empty()) return write_data(data, kind, sizes, pouring, way);
-  const std::string bodies = kind == Kind::pour ? poured : kind == Kind::discs ? "discs" : "spheres";
+  if (!data.empty()) {
+    Cases cases{{}, sizes, specs, tolerances};
+    for (const std::string& kind : kinds) cases.kinds.push_back(bodies_of(kind, pouring));
+    return write_data(data, append, cases, way);
+  }
+  const Bodies piled = bodies_of(kinds[0], pouring);
+  const std::string bodies = piled.kind == Kind::well ? "spheres" : piled.name;
   std::ostringstream solves;
   solves << "| " << bodies << " | rows | residual |";
   for (const std::string& spec : specs) solves << " `" << spec << "`, ms |";
@@ -355,11 +469,14 @@ int main(int argc, char** argv) try {
   std::cout << '\n' << std::setprecision(3);
   std::vector<double> contacts, seconds, sweeps, memory;
   for (const int count : sizes) {
-    Cost cost;
-    try {
-      cost = by_kind(kind, count, pouring, way, !steps_only);
-    } catch (const std::runtime_error& error) {
-      std::cerr << "pile_scaling: " << count << ' ' << bodies << ", " << error.what() << '\n';
+    const Cost cost = piled.in_motion(count, [&](auto&& pile) {
+      Cost last = pile.settle(way);
+      if (last.status == Status::solved) last = pile.last_steps(way);
+      if (!steps_only) last.problem = pile.problem();
+      return last;
+    });
+    if (cost.status != Status::solved) {
+      std::cerr << "pile_scaling: " << count << ' ' << bodies << ", " << cost.end << '\n';
       return 3;
     }
     contacts.push_back(cost.contacts), seconds.push_back(cost.seconds), sweeps.push_back(cost.iterations);
