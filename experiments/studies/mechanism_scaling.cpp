@@ -238,6 +238,7 @@ int main(int argc, char** argv) try {
   CLI::App app("Growth of the cost of chains, trees, nets and tracks: time of a step and memory per body");
   Plan plan;
   std::string data;
+  bool append = false;
   app.add_option("--dimensions", plan.dimensions, "2, 3")->check(CLI::IsMember({2, 3}))->capture_default_str();
   app.add_option("--kinds", plan.kinds, "of mechanisms")
       ->check(CLI::IsMember({"chain", "tree", "net", "track"}))
@@ -251,16 +252,17 @@ int main(int argc, char** argv) try {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--time-limit", plan.limit, "of a case [s]")->check(between(1e-3, 1e6))->capture_default_str();
-  app.add_option("--data", data, "CSV file in place of the table");
+  CLI::Option* file = app.add_option("--data", data, "CSV file in place of the table");
+  app.add_flag("--append", append, "to the file of --data")->needs(file);
   if (const auto end = parse(app, argc, argv)) return *end;
   if (!data.empty()) {
-    RowsFile file(data, false,
+    RowsFile rows(data, append,
                   "kind,dimension,integrator,bodies,status,step_us_a_body,first_us_a_body,kB_a_body,joints_m,growth");
     all_cases(plan, [&](const CaseRow& row) {
       std::ostringstream line;
-      line << row.kind << ',' << row.dimension << ",\"" << row.scheme << "\"," << row.bodies << ",\"" << row.status
-           << "\"," << cells(row, ",", "");
-      file.row(line.str());
+      line << row.kind << ',' << row.dimension << ',' << text_cell(row.scheme) << ',' << row.bodies << ','
+           << text_cell(row.status) << ',' << cells(row, ",", "");
+      rows.row(line.str());
     });
     return 0;
   }

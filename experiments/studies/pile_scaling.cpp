@@ -298,7 +298,7 @@ struct Cases {
 /// Cells that the lines of one case begin with.
 std::string beginning(const Bodies& bodies, int count, const Settling& way) {
   std::ostringstream line;
-  line << bodies.name << ',' << count << ',' << way.steps() - way.last_steps() << ",\"" << way.by << "\","
+  line << bodies.name << ',' << count << ',' << way.steps() - way.last_steps() << ',' << text_cell(way.by) << ','
        << way.tolerance << ',' << way.threads[0] << ',';
   return line.str();
 }
@@ -317,7 +317,7 @@ std::string cells(const Cost& cost) {
   return line.str();
 }
 
-/// All lines of one pile: it settles, and its last steps are taken from there in each way, each in a process of its own.
+/// All lines of one pile: it settles, and its last steps are taken from there in each way, by a process each.
 template <class Space>
 std::string lines_of(Motion<Space>&& pile, const Bodies& bodies, int count, const Cases& cases, const Settling& way) {
   Settling before = way;
@@ -337,7 +337,9 @@ std::string lines_of(Motion<Space>&& pile, const Bodies& bodies, int count, cons
         Isolated child(1, 0);
         child.start([&] { return cells(pile.last_steps(one)); }, 1e7,
                     [&](const Outcome& outcome) {
-                      lines += (outcome.kind == Outcome::finished ? outcome.text : outcome.text + ",,,,,,,,,") + '\n';
+                      lines +=
+                          (outcome.kind == Outcome::finished ? outcome.text : text_cell(outcome.text) + ",,,,,,,,,") +
+                          '\n';
                     });
         child.wait_for_all();
       }
@@ -360,7 +362,7 @@ int write_data(const std::string& path, bool append, const Cases& cases, const S
       };
       children.start(work, 1e7, [&](const Outcome& outcome) {
         if (outcome.kind != Outcome::finished) {
-          file.row(bodies.name + ',' + std::to_string(count) + ",,,,," + outcome.text + ",,,,,,,,,");
+          file.row(bodies.name + ',' + std::to_string(count) + ",,,,," + text_cell(outcome.text) + ",,,,,,,,,");
           return;
         }
         std::istringstream lines(outcome.text);

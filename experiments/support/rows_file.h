@@ -2,11 +2,20 @@
 #pragma once
 
 #include <fstream>
+#include <iomanip>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
 namespace orthant {
+
+/// A cell that may hold commas and quotation marks (RFC 4180).
+inline std::string text_cell(const std::string& text) {
+  std::ostringstream cell;
+  cell << std::quoted(text, '"', '"');
+  return cell.str();
+}
 
 class RowsFile {
  public:
