@@ -28,6 +28,8 @@ SETS_UP = {
     "cmake --install build/release --prefix $HOME/orthant": "consumer/install does it, with another prefix",
     "experiments/docs/figures.py quiet regret regret_sparse": "half an hour, likewise",
     "experiments/benchmarks/setup    # the rivals": "it fetches the rivals",
+    "experiments/docs/scaling piles": "some minutes, likewise",
+    "experiments/docs/scaling mechanisms": "likewise",
     "experiments/docs/figures.py quiet cones facets": "half an hour, likewise, with the rivals",
     "./experiments/run cone --problems FOLDER --rivals build/peers/cone    # of your own FCLIB files": "likewise",
     "experiments/docs/figures.py quiet solvers": "seven minutes, on a machine that does nothing else",
