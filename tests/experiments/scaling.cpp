@@ -58,7 +58,8 @@ TEST_CASE("pile_scaling --data: every kind, solver and tolerance from one settle
   if (kSanitized) return;  // it is not built
   const Folder folder;
   pile_scaling(folder,
-               "--kinds discs spheres boxes capsules --sizes 20 --by nncg --by-tolerance 1e-4 --solvers nncg pgs "
+               "--kinds discs spheres boxes capsules --sizes 20 --by nncg --by-tolerance 1e-4 --solvers nncg "
+               "nncg:max_sweeps=50000 "
                "--tolerances 1e-4 1e-8 --threads 1 2");
   const auto lines = table(folder.path / "piles.csv");
   REQUIRE(lines.size() == 4 * 2 * 2 * 2);
