@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
 constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
+constexpr double kAsChosen = 0.1;     // of that growth where the pivots were chosen
+constexpr double kMostEver = 1e-7;    // in any case
 constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
 constexpr double kDoubtful = 1e-9;    // likewise: rounding of S makes that, ε times the ratio of the masses
 
@@ -42,6 +44,7 @@ template <class Space> struct BasicSystemOf<Space>::Sparse {
   klu_common common{};
   klu_symbolic* symbolic = nullptr;
   klu_numeric* numeric = nullptr;
+  double growth_of_choice = 0;  // growth() of the matrix that the pivots were chosen for
   int n = 0;
   // For independence(): M^−½ Gᵀ, its square S, and S's factors, analysed once.
   mutable Eigen::SparseMatrix<double> half, square;
@@ -137,6 +140,7 @@ template <class Space> struct BasicSystemOf<Space>::Sparse {
       return true;
     klu_free_numeric(&numeric, &common);
     numeric = klu_factor(start.data(), index.data(), value.data(), symbolic, &common);
+    growth_of_choice = numeric != nullptr ? growth() : 0;
     if (numeric != nullptr && well_conditioned() && (finds_known_solution() || independence(inverse_mass) > kDoubtful))
       return true;
     klu_free_numeric(&numeric, &common);  // so that the next matrix is looked at as closely
@@ -156,10 +160,15 @@ template <class Space> struct BasicSystemOf<Space>::Sparse {
       if (!(std::abs(rhs[static_cast<std::size_t>(j)] - known(j)) < 1e-6)) return false;
     return true;
   }
-  /// Pivots chosen for another matrix may be small in this one, next to a singular pose above all, and entries grow.
+  /// Pivots chosen for another matrix may be small in this one, next to a singular pose above all, and entries grow:
+  /// more than in the matrix that they were chosen for, where large trees and nets let them grow as well.
   bool pivots_still_fit() {
-    return klu_rgrowth(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 &&
-           common.rgrowth > kMostGrowth;
+    const double now = growth();
+    return now > kMostGrowth || now > std::max(kAsChosen * growth_of_choice, kMostEver);
+  }
+  /// Reciprocal: the least ratio of a column's largest entry in the matrix over that in its factor U; 0: not known.
+  double growth() {
+    return klu_rgrowth(start.data(), index.data(), value.data(), symbolic, numeric, &common) != 0 ? common.rgrowth : 0;
   }
   bool well_conditioned() {  // cheap estimate: the smallest against the largest pivot
     return common.status == KLU_OK && klu_rcond(symbolic, numeric, &common) != 0 && common.rcond > 1e-15;
