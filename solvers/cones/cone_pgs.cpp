@@ -1,5 +1,6 @@
 #include <orthant/solvers/cones/cone_pgs.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace orthant {
@@ -9,6 +10,19 @@ void ConePgs::begin_accelerated(const Vector& z) {
   if (options_.accelerated) before_ = z, state_before_ = operator_sweeps_.state();
 }
 
+/// Turns momentum off, or on again, where the residual last found is none that falls.
+void ConePgs::watch(const Vector& z, int iterations) {
+  constexpr int kPatience = 200;
+  constexpr double kFalls = 0.9;
+  if (!options_.accelerated) return;
+  if (residual() < kFalls * least_) {
+    least_ = residual(), begun_ = iterations;
+  } else if (iterations - begun_ >= std::max(kPatience, begun_ / 2)) {
+    plain_ = !plain_, begun_ = iterations;
+    begin_accelerated(z);
+  }
+}
+
 /// A sweep, or a pair of them from a point ahead. Returns ‖z_new − z_old‖ of the sweep, or of the pair.
 double ConePgs::sweep(Vector& z, double omega, bool backward) {
   const bool formed = form().formed();
@@ -16,6 +30,7 @@ double ConePgs::sweep(Vector& z, double omega, bool backward) {
     return formed ? sweeps_.sweep(z, omega, back) : operator_sweeps_.sweep(z, omega, back);
   };
   if (!options_.accelerated) return once(backward);
+  if (plain_) return once(false) + once(true);
   if (!formed && operator_sweeps_.stale()) {  // both: momentum would carry on the rounding of one, ever larger
     operator_sweeps_.start(before_), state_before_ = operator_sweeps_.state();
     operator_sweeps_.start(z);
@@ -46,6 +61,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
   operator_sweeps_.start(z);
   if (finished(z, operator_sweeps_.residual(z))) return Claim::time_limit;
   begin_accelerated(z);
+  plain_ = false, least_ = kInf, begun_ = 0;
   double omega = options_.omega, mark = kInf, last = kInf;
   while (iterations < options_.max_sweeps) {
     ++iterations;
@@ -59,6 +75,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
     log(iterations, residual(), moved);
     if (end) return Claim::time_limit;
     if (moved == 0) return Claim::stalled;
+    watch(z, iterations);
     if (iterations % 10 == 0) {
       if (omega > 1 && residual() > mark) omega = 1;
       mark = residual();
@@ -71,6 +88,7 @@ Claim ConePgs::iterate(Vector& z, int& iterations) {
   if (!form().formed()) return iterate_unformed(z, iterations);
   sweeps_.load(form());
   begin_accelerated(z);
+  plain_ = false, least_ = kInf, begun_ = 0;
   double omega = options_.omega, mark = kInf;
   while (iterations < options_.max_sweeps) {
     ++iterations;
@@ -80,6 +98,7 @@ Claim ConePgs::iterate(Vector& z, int& iterations) {
     if (end) return Claim::time_limit;
     if (!z.allFinite()) return Claim::numerical_error;
     if (moved == 0) return Claim::stalled;
+    watch(z, iterations);
     if (iterations % 10 == 0) {
       if (omega > 1 && residual() > mark) omega = 1;
       mark = residual();

@@ -5,7 +5,9 @@
 //   accelerated: a pair of sweeps G, forward and backward, acts like a gradient step in a metric of its own;
 //   Nesterov's momentum y = z + β (z − z_before), z ← G(y), β = (θ − 1) / θ⁺, θ⁺ = (1 + √(1 + 4 θ²)) / 2, begins
 //   again (θ = 1) where it leads uphill, ⟨y − z⁺, z⁺ − z⟩ > 0. Where sweeps alone take a number that grows like the
-//   square of a stack's height, these take one that grows like the height. An iteration is a pair.
+//   square of a stack's height, these take one that grows like the height. An iteration is a pair. Coulomb's law has
+//   no descent, and momentum may circle for ever: where the least residual stays for kPatience pairs, and half as many
+//   as there were, the next ones go without momentum, until they too get nowhere.
 //   Operators of many rows are swept unformed, by several threads (operator_sweeps.h). The residual costs half a sweep
 //   there: it is found after the first sweep, after every kLook, and where the changes of z promise the end.
 //   Source of the momentum: O'Donoghue & Candès, Found. Comput. Math. 15 (2015) 715-732.
@@ -36,6 +38,7 @@ class ConePgs final : public ConeSolver {
   Claim iterate_unformed(Vector& z, int& iterations);
   double sweep(Vector& z, double omega, bool backward);
   void begin_accelerated(const Vector& z);
+  void watch(const Vector& z, int iterations);
   bool takes_operators() const override { return true; }
   void release() override;
   double tolerance() const override { return options_.tolerance; }
@@ -46,6 +49,9 @@ class ConePgs final : public ConeSolver {
   // Accelerated: z and the state of an operator before the last pair, and where that began.
   Vector before_, ahead_, state_before_, state_ahead_;
   double momentum_ = 1;  // θ
+  bool plain_ = false;   // pairs without momentum
+  double least_ = kInf;  // residual since begun_, an iteration
+  int begun_ = 0;
 };
 
 }  // namespace orthant
