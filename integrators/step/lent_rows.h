@@ -27,8 +27,8 @@ class LentRows {
     for (std::size_t k = 0; k < rest_.size(); ++k) {
       const Rest& rest = rest_[k];
       const Index normal = rows.normal_row(k), tangent = rows.tangent_row(k);
-      closed.push_back({rest.contact,
-                        {row(rest, normal), {row(rest, tangent), row(rest, tangent + 1)}, rest.point, rest.belt}});
+      closed.push_back(
+          {rest.contact, {row(rest, normal), {row(rest, tangent), row(rest, tangent + 1)}, rest.point, rest.belt}});
     }
     std::vector<Rest>().swap(rest_);
   }
