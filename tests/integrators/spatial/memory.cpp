@@ -35,7 +35,7 @@ TEST_CASE("a pile's memory: laws once a collision set, and a bounded number of b
   const double bytes = (heap_in_use() - before) / contacts;
   MESSAGE((of_system / kBodies), " B a body in the system; in all ", bytes, " B a contact, ", (contacts / kBodies),
           " contacts a body");
-  CHECK(bytes < 3400);  // places that are reserved and not used included
+  CHECK(bytes < 2700);  // places that are reserved and not used included
 }
 
 TEST_CASE("a pile's sweeps: eight times the spheres, twice the height, and not much more than twice the sweeps") {
