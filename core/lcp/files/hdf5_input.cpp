@@ -6,28 +6,47 @@
 #include <H5Cpp.h>
 
 #include <stdexcept>
+#include <type_traits>
 
 namespace orthant {
 namespace {
 
 constexpr std::uintmax_t kLargestArray = 1 << 30;  // [bytes] as numbers in memory: in the file it may be packed
+constexpr std::uintmax_t kDeflated = 1032;         // most bytes that one becomes (zlib, Technical Details)
 constexpr std::uintmax_t kLargestText = 64 << 20;  // [bytes]
 
 }  // namespace
 
 struct Hdf5Input::File {
   std::string name;
+  std::uintmax_t size = 0;  // [bytes]
   H5::H5File h5;
 
   [[noreturn]] void refuse(const std::string& path, const std::string& rule) const {
     throw std::runtime_error(name + ": " + path + " " + rule);
+  }
+
+  /// Throws unless the file stores all entries of the data set. The library (1.10) does not compare sizes itself, and
+  /// reads beyond its buffers.
+  void check_stored(const std::string& path, const H5::DataSet& set, std::uintmax_t entries) const {
+    if (entries > size * kDeflated)
+      refuse(path, "has " + std::to_string(entries) + " entries: must not have more than a file of this size can hold");
+    const H5::DSetCreatPropList made = set.getCreatePlist();
+    const H5D_layout_t layout = made.getLayout();
+    if (set.getFileName() != h5.getFileName() || layout == H5D_VIRTUAL || H5Pget_external_count(made.getId()) != 0)
+      refuse(path, "is in another file: must be in this one");
+    const std::uintmax_t stored = set.getStorageSize(), each = set.getDataType().getSize();
+    if (each == 0 || (layout != H5D_CHUNKED && (stored % each != 0 || stored / each != entries)))
+      refuse(path, "has " + std::to_string(stored) + " bytes for " + std::to_string(entries) + " entries of " +
+                       std::to_string(each) + " bytes");
   }
 };
 
 Hdf5Input::Hdf5Input(const std::filesystem::path& file) : file_(std::make_unique<File>()) {
   file_->name = file.string();
   check_readable(file);
-  check_size(file_->name, std::filesystem::file_size(file), largest_input(kLargestProblem));
+  file_->size = std::filesystem::file_size(file);
+  check_size(file_->name, file_->size, largest_input(kLargestProblem));
   try {
     file_->h5.openFile(file_->name, H5F_ACC_RDONLY);
   } catch (const H5::Exception&) {
@@ -53,36 +72,55 @@ bool Hdf5Input::has(const std::string& path) const {
   return H5Lexists(file_->h5.getId(), path.c_str(), H5P_DEFAULT) > 0;
 }
 
-std::vector<double> Hdf5Input::numbers(const std::string& path) const {
-  if (!has(path)) file_->refuse(path, "is missing");
+void Hdf5Input::refuse(const std::string& path, const std::string& rule) const { file_->refuse(path, rule); }
+
+template <class Number> std::vector<Number> Hdf5Input::list(const std::string& path) const {
+  constexpr bool kWhole = std::is_integral_v<Number>;
+  if (!has(path)) refuse(path, "is missing");
   try {
     const H5::DataSet set = file_->h5.openDataSet(path);
     const H5T_class_t kind = set.getTypeClass();
-    if (kind != H5T_INTEGER && kind != H5T_FLOAT) file_->refuse(path, "must hold numbers");
+    if (kind != H5T_INTEGER && (kWhole || kind != H5T_FLOAT))
+      refuse(path, kWhole ? "must hold whole numbers" : "must hold numbers");
     const hssize_t count = set.getSpace().getSimpleExtentNpoints();
     if (count < 0 || static_cast<hsize_t>(count) > UINTMAX_MAX / sizeof(double))
-      file_->refuse(path, "has " + std::to_string(count) + " entries");
+      refuse(path, "has " + std::to_string(count) + " entries");
     check_size(file_->name + ": " + path, static_cast<std::uintmax_t>(count) * sizeof(double),
                largest_input(kLargestArray));
-    std::vector<double> values(static_cast<std::size_t>(count));
-    if (count > 0) set.read(values.data(), H5::PredType::NATIVE_DOUBLE);
+    file_->check_stored(path, set, static_cast<std::uintmax_t>(count));
+    std::vector<Number> values(static_cast<std::size_t>(count));
+    if (count > 0) set.read(values.data(), kWhole ? H5::PredType::NATIVE_INT : H5::PredType::NATIVE_DOUBLE);
     return values;
   } catch (const H5::Exception&) {
-    file_->refuse(path, "cannot be read");
+    refuse(path, "cannot be read");
   }
 }
 
+std::uintmax_t Hdf5Input::most_numbers() const { return file_->size * kDeflated; }
+
+std::vector<double> Hdf5Input::numbers(const std::string& path) const { return list<double>(path); }
+std::vector<int> Hdf5Input::integers(const std::string& path) const { return list<int>(path); }
+
 std::string Hdf5Input::text(const std::string& path) const {
-  if (!has(path)) file_->refuse(path, "is missing");
+  if (!has(path)) refuse(path, "is missing");
   try {
     const H5::DataSet set = file_->h5.openDataSet(path);
-    if (set.getTypeClass() != H5T_STRING || set.getStrType().isVariableStr()) file_->refuse(path, "must be a text");
+    if (set.getTypeClass() != H5T_STRING || set.getSpace().getSimpleExtentNpoints() != 1)
+      refuse(path, "must be one text");
     check_size(file_->name + ": " + path, set.getStrType().getSize(), kLargestText);
+    file_->check_stored(path, set, 1);
+    if (set.getStrType()
+            .isVariableStr()) {  // the library's own reader of these takes a text that was not written for one
+      char* text = nullptr;
+      set.read(&text, set.getStrType());
+      const std::unique_ptr<char, decltype(&H5free_memory)> owner(text, &H5free_memory);
+      return text != nullptr ? text : "";
+    }
     std::string words;
     set.read(words, set.getStrType());
     return words.c_str();  // up to the first NUL
   } catch (const H5::Exception&) {
-    file_->refuse(path, "cannot be read");
+    refuse(path, "cannot be read");
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <orthant/core/lcp/files/hdf5_image.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,17 +11,22 @@
 
 namespace orthant {
 
-/// Paths as "group/name". Throws std::runtime_error naming file, path and rule.
+/// Paths as "group/name". Throws std::runtime_error naming file, path and rule. Data are read only from this file: data
+/// sets that stand in other files (external links and storage, virtual sets) are refused.
 class Hdf5Input {
  public:
   explicit Hdf5Input(const std::filesystem::path& file);
   ~Hdf5Input();
   std::vector<std::string> arrays() const;  // names of the data sets outside of groups, alphabetically
   bool has(const std::string& path) const;
+  std::uintmax_t most_numbers() const;  // that a file of this size can hold, deflated and of one byte each
   std::vector<double> numbers(const std::string& path) const;
+  std::vector<int> integers(const std::string& path) const;
   std::string text(const std::string& path) const;  // at most 64 MiB
+  [[noreturn]] void refuse(const std::string& path, const std::string& rule) const;
 
  private:
+  template <class Number> std::vector<Number> list(const std::string& path) const;
   detail::Hdf5Quiet quiet_;
   struct File;
   std::unique_ptr<File> file_;

@@ -2,14 +2,13 @@
 #include <orthant/core/lcp/files/io_fclib.h>
 
 #include <orthant/core/lcp/files/hdf5_image.h>
+#include <orthant/core/lcp/files/hdf5_input.h>
 #include <orthant/core/lcp/judge/certify_cones.h>
 #include <orthant/core/support/file.h>
 #include <orthant/core/support/options.h>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
-
-#include <H5Cpp.h>
 
 #include <algorithm>
 #include <array>
@@ -19,58 +18,19 @@ namespace orthant {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-constexpr std::uintmax_t kLargestDataset = 1 << 30;  // [bytes] as numbers in memory: in the file it may be packed
 
 /// One file's datasets, by path; every complaint names both.
-class Reader {
+class Reader : public Hdf5Input {
  public:
-  explicit Reader(const std::filesystem::path& file) : name_(file.string()) {
-    check_readable(file);
-    check_size(name_, std::filesystem::file_size(file), largest_input(kLargestProblem));
-    try {
-      file_.openFile(name_, H5F_ACC_RDONLY);
-    } catch (const H5::Exception&) {
-      throw std::runtime_error(name_ + ": is no HDF5 file, or a broken one");
-    }
-  }
+  using Hdf5Input::Hdf5Input;
 
-  [[noreturn]] void refuse(const std::string& path, const std::string& rule) const {
-    throw std::runtime_error(name_ + ": " + path + " " + rule);
-  }
-  bool has(const std::string& path) const {
-    for (std::size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1))
-      if (H5Lexists(file_.getId(), path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
-    return H5Lexists(file_.getId(), path.c_str(), H5P_DEFAULT) > 0;
-  }
-
-  template <class Number> std::vector<Number> list(const std::string& path) const {
-    if (!has(path)) refuse(path, "is missing");
-    try {
-      const H5::DataSet set = file_.openDataSet(path);
-      const H5T_class_t kind = set.getTypeClass();
-      if (kind != H5T_INTEGER && !(kind == H5T_FLOAT && std::is_floating_point_v<Number>))
-        refuse(path, std::is_floating_point_v<Number> ? "must hold numbers" : "must hold whole numbers");
-      const hssize_t count = set.getSpace().getSimpleExtentNpoints();
-      if (count < 0 || static_cast<hsize_t>(count) > UINTMAX_MAX / sizeof(double))
-        refuse(path, "has " + std::to_string(count) + " entries");
-      check_size(name_ + ": " + path, static_cast<std::uintmax_t>(count) * sizeof(double),
-                 largest_input(kLargestDataset));
-      std::vector<Number> values(static_cast<std::size_t>(count));
-      if (count > 0)
-        set.read(values.data(),
-                 std::is_floating_point_v<Number> ? H5::PredType::NATIVE_DOUBLE : H5::PredType::NATIVE_INT);
-      return values;
-    } catch (const H5::Exception&) {
-      refuse(path, "cannot be read");
-    }
-  }
   int whole(const std::string& path) const {
-    const auto values = list<int>(path);
+    const auto values = integers(path);
     if (values.size() != 1) refuse(path, "has " + std::to_string(values.size()) + " entries: must have 1");
     return values.front();
   }
-  Vector numbers(const std::string& path, Index n) const {
-    const auto values = list<double>(path);
+  Vector vector(const std::string& path, Index n) const {
+    const auto values = numbers(path);
     if (static_cast<Index>(values.size()) != n)
       refuse(path, "has " + std::to_string(values.size()) + " entries: must have " + std::to_string(n));
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -78,29 +38,27 @@ class Reader {
         refuse(path + "[" + std::to_string(i) + "]", "= " + detail::text_of(values[i]) + ": must be finite");
     return Eigen::Map<const Eigen::VectorXd>(values.data(), n);
   }
-  std::string text(const std::string& path) const {
-    if (!has(path)) return {};
-    try {
-      const H5::DataSet set = file_.openDataSet(path);
-      std::string words;
-      if (set.getTypeClass() == H5T_STRING && set.getStorageSize() < 1 << 16) set.read(words, set.getStrType());
-      return words.c_str();  // up to the first NUL
-    } catch (const H5::Exception&) {
-      return {};  // words are no reason to lose a problem
-    }
+  /// Empty where there is none: words are no reason to lose a problem.
+  std::string words(const std::string& path) const try {
+    return has(path) ? text(path) : std::string();
+  } catch (const std::runtime_error&) {
+    return {};
   }
 
   Sparse matrix(const std::string& path) const {
     const int m = whole(path + "/m"), n = whole(path + "/n"), nz = whole(path + "/nz");
-    if (m < 0 || n < 0) refuse(path, "is " + std::to_string(m) + " x " + std::to_string(n) + ": sizes must be >= 0");
+    const std::string sizes = std::to_string(m) + " x " + std::to_string(n);
+    if (m < 0 || n < 0) refuse(path, "is " + sizes + ": sizes must be >= 0");
+    if (static_cast<std::uintmax_t>(std::max(m, n)) > most_numbers())
+      refuse(path, "is " + sizes + ": must not be larger than a file of this size can be");
     if (nz < -2) refuse(path + "/nz", "= " + std::to_string(nz) + ": must be >= 0, -1 (columns) or -2 (rows)");
-    std::vector<int> p = list<int>(path + "/p"), i = list<int>(path + "/i");
-    const Vector x = numbers(path + "/x", static_cast<Index>(i.size()));
+    std::vector<int> p = integers(path + "/p"), i = integers(path + "/i");
+    const Vector x = vector(path + "/x", static_cast<Index>(i.size()));
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](int row, int column, std::size_t k) {
       if (row < 0 || row >= m || column < 0 || column >= n)
         refuse(path, "has an entry at (" + std::to_string(row) + ", " + std::to_string(column) + "): must be within " +
-                         std::to_string(m) + " x " + std::to_string(n));
+                         sizes);
       entries.emplace_back(row, column, x[static_cast<Index>(k)]);
     };
     if (nz >= 0) {
@@ -122,10 +80,6 @@ class Reader {
     A.setFromTriplets(entries.begin(), entries.end());
     return A;
   }
-
- private:
-  std::string name_;
-  H5::H5File file_;
 };
 
 bool is_diagonal(const Sparse& A) {
@@ -142,7 +96,7 @@ Index read_local(const Reader& in, const std::string& group, Lcp& problem) {
   const Sparse W = in.matrix(group + "/W");
   const Index n = W.rows();
   if (W.cols() != n) in.refuse(group + "/W", "is " + size_of(W) + ": must be square");
-  const Vector q = in.numbers(group + "/vectors/q", n);
+  const Vector q = in.vector(group + "/vectors/q", n);
   if (!in.has(group + "/V")) {
     if (in.has(group + "/R")) in.refuse(group + "/R", "stands without V: must have it");
     problem.A = RowSparse::from(W), problem.b = q;
@@ -169,7 +123,7 @@ Index read_local(const Reader& in, const std::string& group, Lcp& problem) {
   problem.b.resize(n + m);
   problem.b.head(n) = q;
   problem.b.tail(m) =
-      in.has(group + "/vectors/s") ? in.numbers(group + "/vectors/s", m) : Vector(Eigen::VectorXd::Zero(m));
+      in.has(group + "/vectors/s") ? in.vector(group + "/vectors/s", m) : Vector(Eigen::VectorXd::Zero(m));
   return n;
 }
 
@@ -178,7 +132,7 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
   const Index m = M.rows();
   if (M.cols() != m) in.refuse(group + "/M", "is " + size_of(M) + ": must be square");
   if (H.rows() != m) in.refuse(group + "/H", "is " + size_of(H) + ": must have " + std::to_string(m) + " rows, as M");
-  const Vector f = in.numbers(group + "/vectors/f", m), w = in.numbers(group + "/vectors/w", H.cols());
+  const Vector f = in.vector(group + "/vectors/f", m), w = in.vector(group + "/vectors/w", H.cols());
   Sparse J = H.transpose();
   Eigen::VectorXd b = w;
   if (in.has(group + "/G")) {
@@ -188,7 +142,7 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
     both.topRows(H.cols()) = J, both.bottomRows(G.cols()) = Sparse(G.transpose());
     J = both;
     b.conservativeResize(J.rows());
-    b.tail(G.cols()) = in.numbers(group + "/vectors/b", G.cols());
+    b.tail(G.cols()) = in.vector(group + "/vectors/b", G.cols());
   }
   p.global = {.mass = RowSparse::from(M), .jacobian = RowSparse::from(J), .force = f, .offset = b};
   if (is_diagonal(M)) {
@@ -217,10 +171,10 @@ Index read_global(const Reader& in, const std::string& group, ContactProblem& p)
 void read_solution(const Reader& in, Index contact_rows, ContactProblem& p) try {
   if (!in.has("solution/r")) return;
   const Index n = p.problem.size();
-  const Vector r = in.numbers("solution/r", contact_rows);
+  const Vector r = in.vector("solution/r", contact_rows);
   if (n > contact_rows && !in.has("solution/l")) return;
   Vector l;
-  if (n > contact_rows) l = in.numbers("solution/l", n - contact_rows);
+  if (n > contact_rows) l = in.vector("solution/l", n - contact_rows);
   p.solution.resize(n);
   p.solution.head(contact_rows) = r, p.solution.tail(n - contact_rows) = l;
 } catch (const std::runtime_error& e) {
@@ -288,7 +242,6 @@ Vector ContactProblem::velocity(const Vector& z) const {
 }
 
 ContactProblem read_fclib(const std::filesystem::path& file) {
-  const detail::Hdf5Quiet quiet;
   const Reader in(file);
   ContactProblem p;
   std::string group;
@@ -303,7 +256,7 @@ ContactProblem read_fclib(const std::filesystem::path& file) {
   p.dimension = in.whole(group + "/spacedim");
   if (rolling ? p.dimension != 5 : p.dimension != 2 && p.dimension != 3)
     in.refuse(group + "/spacedim", "= " + std::to_string(p.dimension) + ": must be " + (rolling ? "5" : "2 or 3"));
-  p.title = in.text(group + "/info/title"), p.description = in.text(group + "/info/description");
+  p.title = in.words(group + "/info/title"), p.description = in.words(group + "/info/description");
   const Index rows = local ? read_local(in, group, p.problem) : read_global(in, group, p);
   if (rows % p.dimension != 0)
     in.refuse(group, "has " + std::to_string(rows) +
@@ -312,7 +265,7 @@ ContactProblem read_fclib(const std::filesystem::path& file) {
   const Index n = p.problem.size();
   p.problem.lo = Eigen::VectorXd::Constant(n, -kInf), p.problem.hi = Eigen::VectorXd::Constant(n, kInf);
   const auto coefficient = [&](const char* name) {
-    const Vector mu = in.numbers(group + "/vectors/" + name, p.contacts);
+    const Vector mu = in.vector(group + "/vectors/" + name, p.contacts);
     for (Index k = 0; k < p.contacts; ++k)
       if (mu[k] < 0)
         in.refuse(group + "/vectors/" + name + "[" + std::to_string(k) + "]",
