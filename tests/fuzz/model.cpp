@@ -5,11 +5,11 @@
 #include "target.h"
 
 // URDF or MJCF, by the root. What is taken is a scene: its text is read without an error of TOML's.
-void orthant::fuzz::model(std::string_view bytes) {
+bool orthant::fuzz::model(std::string_view bytes) {
   std::string toml;
   parse([&] { toml = import_model(bytes, "model.xml").toml; });
-  if (toml.empty()) return;
-  parse([&] {
+  if (toml.empty()) return false;
+  return parse([&] {
     try {
       const SystemOf<Spatial> system(std::get<spatial::Scene>(parse_any_scene(toml, {}, "imported")));
     } catch (const std::invalid_argument& error) {

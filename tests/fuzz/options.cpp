@@ -5,9 +5,10 @@
 
 #include "target.h"
 
-void orthant::fuzz::options(std::string_view bytes) {
+bool orthant::fuzz::options(std::string_view bytes) {
   static const System kSystem(make_scene("bouncing_ball"));
-  parse([&] { make_solver(bytes); });
-  parse([&] { make_integrator(bytes, kSystem); });
-  parse([&] { make_scene("bouncing_ball", std::vector<std::string>{std::string(bytes)}); });
+  const bool solver = parse([&] { make_solver(bytes); });
+  const bool integrator = parse([&] { make_integrator(bytes, kSystem); });
+  const bool setting = parse([&] { make_scene("bouncing_ball", std::vector<std::string>{std::string(bytes)}); });
+  return solver || integrator || setting;
 }

@@ -2,8 +2,8 @@
 
 #include "target.h"
 
-void orthant::fuzz::problem_json(std::string_view bytes) {
-  parse([&] {
+bool orthant::fuzz::problem_json(std::string_view bytes) {
+  return parse([&] {
     const Lcp problem = parse_problem(bytes);
     if (const std::string text = to_json(problem); to_json(parse_problem(text)) != text)
       broken("what is read can be written and read again", text);

@@ -2,7 +2,9 @@
 
 #include "target.h"
 
-void orthant::fuzz::sweep(std::string_view bytes) {
+bool orthant::fuzz::sweep(std::string_view bytes) {
   const MemoryFile file("x.sweep.toml", bytes);
-  for (const bool quick : {false, true}) parse([&] { read_sweep(file.path(), quick); });
+  bool accepted = false;
+  for (const bool quick : {false, true}) accepted |= parse([&] { read_sweep(file.path(), quick); });
+  return accepted;
 }

@@ -9,6 +9,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -16,28 +18,31 @@
 
 namespace orthant::fuzz {
 
-void matrix_market(std::string_view bytes);
-void problem_json(std::string_view bytes);
-void scene(std::string_view bytes);
-void sweep(std::string_view bytes);
-void fclib(std::string_view bytes);
-void options(std::string_view bytes);
-void model(std::string_view bytes);
-void mesh(std::string_view bytes);
-void view(std::string_view bytes);
+// Whether the bytes were accepted.
+bool matrix_market(std::string_view bytes);
+bool problem_json(std::string_view bytes);
+bool scene(std::string_view bytes);
+bool sweep(std::string_view bytes);
+bool fclib(std::string_view bytes);
+bool options(std::string_view bytes);
+bool model(std::string_view bytes);
+bool mesh(std::string_view bytes);
+bool view(std::string_view bytes);
 
 [[noreturn]] inline void broken(const char* rule, const std::string& found) {
   std::fprintf(stderr, "fuzz: %s: %s\n", rule, found.c_str());
   std::abort();
 }
 
-/// Errors are std::runtime_error or std::invalid_argument, in a line or so; anything else ends the program.
-inline void parse(const std::function<void()>& work) {
+/// Whether `work` ended without an error. Errors are std::runtime_error or std::invalid_argument, in a line or so;
+/// anything else ends the program.
+inline bool parse(const std::function<void()>& work) {
   const auto look = [](const std::string& words) {
     if (words.empty() || words.size() > 2000) broken("an error of one to 2000 characters", words.substr(0, 3000));
   };
   try {
     work();
+    return true;
   } catch (const std::invalid_argument& error) {
     look(error.what());
   } catch (const std::runtime_error& error) {
@@ -45,6 +50,7 @@ inline void parse(const std::function<void()>& work) {
   } catch (const std::exception& error) {
     broken("no other exception", error.what());
   }
+  return false;
 }
 
 /// The bytes as a file in memory, for readers that take a path.
@@ -61,6 +67,29 @@ class MemoryFile {
 
  private:
   int descriptor_;
+};
+
+/// The bytes as a file in the folder of temporary files. HDF5 resolves links, and a MemoryFile's leads nowhere; a run's
+/// events are searched next to it.
+class NamedFile {
+ public:
+  NamedFile(const char* name, std::string_view bytes)
+      : path_(std::filesystem::temp_directory_path() / ("orthant_fuzz_" + std::to_string(getpid()) + "_" + name)) {
+    std::ofstream out(path_, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out) broken("a temporary file", path_.string());
+  }
+  ~NamedFile() {
+    std::error_code error;
+    std::filesystem::remove(path_, error);
+  }
+  NamedFile(const NamedFile&) = delete;
+  NamedFile& operator=(const NamedFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
 };
 
 }  // namespace orthant::fuzz

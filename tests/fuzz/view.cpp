@@ -2,38 +2,12 @@
 #include "experiments/support/printable.h"
 
 #include <array>
-#include <filesystem>
-#include <fstream>
 
 #include "target.h"
 
 namespace {
 
 using namespace orthant;
-
-/// A trajectory as a file, in CSV, and its events next to it.
-class RunFiles {
- public:
-  RunFiles()
-      : run_(std::filesystem::temp_directory_path() / ("orthant_fuzz_view_" + std::to_string(getpid()) + ".csv")),
-        events_(run_) {
-    events_.replace_extension(".events.csv");
-  }
-  ~RunFiles() {
-    std::error_code error;
-    std::filesystem::remove(run_, error), std::filesystem::remove(events_, error);
-  }
-  RunFiles(const RunFiles&) = delete;
-  RunFiles& operator=(const RunFiles&) = delete;
-  RecordedRun read(const std::string& run, const std::string& events) const {
-    std::ofstream(run_, std::ios::binary) << run;
-    std::ofstream(events_, std::ios::binary) << events;
-    return read_run(run_);
-  }
-
- private:
-  std::filesystem::path run_, events_;
-};
 
 /// What surrounds the data of a page: it must not depend on them.
 std::pair<std::string, std::string> frame_of(const std::string& page, std::string& data) {
@@ -56,16 +30,16 @@ const std::pair<std::string, std::string>& known_frame(bool in_space) {
 
 // A trajectory, its events, a drawing and the run's name, between lines of %%: the page holds them as data, nothing
 // else of it changes, and a browser that reads the data finds what was given.
-void orthant::fuzz::view(std::string_view bytes) {
+bool orthant::fuzz::view(std::string_view bytes) {
   std::array<std::string, 4> parts;
   for (std::string& part : parts) {
     const auto end = std::min(bytes.find("\n%%\n"), bytes.size());
     part = bytes.substr(0, end);
     bytes = end < bytes.size() ? bytes.substr(end + 4) : std::string_view();
   }
-  static const RunFiles files;
-  parse([&] {
-    RecordedRun run = files.read(parts[0], parts[1]);
+  const NamedFile file("view.csv", parts[0]), events("view.events.csv", parts[1]);
+  return parse([&] {
+    RecordedRun run = read_run(file.path());
     run.drawing = parts[2];
     const auto data = view_data(printable(parts[3]), "recorded in " + printable(parts[3]), run);
     const std::string page = view_page(data);
