@@ -105,7 +105,7 @@ Hull hull_of(const std::vector<Vector3d>& points) {
         if (normal.norm() <= flat * (at(j) - at(i)).norm()) continue;
         normal.normalize();
         double low = 0, high = 0;
-        for (int l = 0; l < n; ++l) {
+        for (int l = 0; l < n && (low >= -flat || high <= flat); ++l) {  // most planes: until points lie on both sides
           const double height = normal.dot(at(l) - at(i));
           low = std::min(low, height), high = std::max(high, height);
         }

@@ -43,7 +43,7 @@ inline constexpr std::size_t kMostHullPoints = 64;
 
 /// Points are one plane's corners when they lie within 1e-9 of the hull's size of it; points inside are dropped.
 /// Throws std::invalid_argument: fewer than 4 points or more than kMostHullPoints, points of one plane,
-/// lengths beyond 1e±60 m.   O(n⁴)
+/// lengths beyond 1e±60 m.   O(n⁴), mostly O(n³): a plane is left as soon as points lie on both sides of it.
 Hull hull_of(const std::vector<Vector3d>& points);
 
 struct FittedHull {
