@@ -20,6 +20,7 @@ constexpr std::uintmax_t kLargestText = 64 << 20;  // [bytes]
 struct Hdf5Input::File {
   std::string name;
   std::uintmax_t size = 0;  // [bytes]
+  std::uintmax_t left = 0;  // entries that may still be read: of data sets with many names, too
   H5::H5File h5;
 
   [[noreturn]] void refuse(const std::string& path, const std::string& rule) const {
@@ -28,9 +29,10 @@ struct Hdf5Input::File {
 
   /// Throws unless the file stores all entries of the data set. The library (1.10) does not compare sizes itself, and
   /// reads beyond its buffers.
-  void check_stored(const std::string& path, const H5::DataSet& set, std::uintmax_t entries) const {
-    if (entries > size * kDeflated)
+  void check_stored(const std::string& path, const H5::DataSet& set, std::uintmax_t entries) {
+    if (entries > left)
       refuse(path, "has " + std::to_string(entries) + " entries: must not have more than a file of this size can hold");
+    left -= entries;
     const H5::DSetCreatPropList made = set.getCreatePlist();
     const H5D_layout_t layout = made.getLayout();
     if (set.getFileName() != h5.getFileName() || layout == H5D_VIRTUAL || H5Pget_external_count(made.getId()) != 0)
@@ -45,7 +47,7 @@ struct Hdf5Input::File {
 Hdf5Input::Hdf5Input(const std::filesystem::path& file) : file_(std::make_unique<File>()) {
   file_->name = file.string();
   check_readable(file);
-  file_->size = std::filesystem::file_size(file);
+  file_->size = std::filesystem::file_size(file), file_->left = file_->size * kDeflated;
   check_size(file_->name, file_->size, largest_input(kLargestProblem));
   try {
     file_->h5.openFile(file_->name, H5F_ACC_RDONLY);

@@ -1,4 +1,5 @@
 // HDF5 files of strangers: what they promise must be in them. Read through FCLIB files.
+#include <orthant/core/lcp/files/hdf5_input.h>
 #include <orthant/core/lcp/files/io_fclib.h>
 #include <orthant/core/lcp/problems/contact_piles.h>
 
@@ -89,6 +90,28 @@ TEST_CASE("HDF5: sizes that no file of this size can hold cost no memory") {
   }
   must_refuse(folder / "p.hdf5",
               "fclib_local/W is 2147483647 x 2147483647: must not be larger than a file of this size");
+}
+
+TEST_CASE("HDF5: one data set by many names is read as often as the file could hold it") {
+  const Folder folder;
+  const hsize_t count = 1000000;
+  {
+    const H5::H5File file(folder / "zeros.h5", H5F_ACC_TRUNC);
+    H5::DSetCreatPropList made;
+    made.setChunk(1, &count), made.setDeflate(9);
+    const std::vector<double> zeros(count, 0);
+    file.createDataSet("x0", H5::PredType::NATIVE_DOUBLE, H5::DataSpace(1, &count), made)
+        .write(zeros.data(), H5::PredType::NATIVE_DOUBLE);
+    for (int i = 1; i < 100; ++i) file.link(H5L_TYPE_HARD, "x0", "x" + std::to_string(i));
+  }
+  const auto read_all = [&] {
+    const Hdf5Input input(folder / "zeros.h5");
+    for (const std::string& name : input.arrays()) {
+      const std::vector<double> zeros = input.numbers(name);
+      CHECK(zeros.size() == count);
+    }
+  };
+  CHECK_THROWS_WITH_AS(read_all(), doctest::Contains("than a file of this size can hold"), std::runtime_error);
 }
 
 TEST_CASE("HDF5: titles of any kind, or none") {
