@@ -134,6 +134,10 @@ TEST_CASE("oversized and deeply nested input ends at once") {
   fuzz::matrix_market("%%MatrixMarket matrix array real general\n100000000 100000000\n1\n");
   fuzz::matrix_market(times("%%MatrixMarket ", 1000000));
   fuzz::options("pgs:" + times("omega=1,", 100000));
+  std::string needles = "<mujoco><worldbody><body><freejoint/><geom size='1'/>";  // side by side, each in all balls
+  for (int i = 1; i <= 200; ++i)
+    needles += "<body pos='" + std::to_string(i) + " 0 0'><joint/><geom type='ellipsoid' size='0.1 0.1 1000'/></body>";
+  fuzz::model(needles + "</body></worldbody></mujoco>");
   const std::string lists = R"(, "outlines": [], "pins": [], "contacts": [], "event_contacts": []})";
   fuzz::view("t,x\n0,0\n%%\n\n%%\n{\"bodies\": " + times("[", 1000000) + times("]", 1000000) + lists);
   fuzz::view(times("t,", 1000000) + "\n" + times("0,", 1000000));

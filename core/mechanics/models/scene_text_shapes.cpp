@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 namespace orthant::models {
@@ -18,6 +19,39 @@ constexpr int kSides = 24;  // of the prism that stands for a cylinder
 /// As MuJoCo takes it: condim and friction are each the larger of the two; a condim of 1 has no friction.
 double friction_of(const ModelShape& x, const ModelShape& y) {
   return x.slippery && y.slippery ? 0 : std::max(x.mu, y.mu);
+}
+
+/// The corner that lies farthest along d, in the world.
+Vector3d farthest(const spatial::Shape& s, const spatial::Pose& at, const Vector3d& d) {
+  const Vector3d way = at.turn_back(d);
+  const auto nearer = [&](const Vector3d& p, const Vector3d& q) { return way.dot(p) < way.dot(q); };
+  return at.x + at.turn(*std::max_element(s.corners.begin(), s.corners.end(), nearer));
+}
+
+Vector3d middle(const spatial::Shape& s, const spatial::Pose& at) {
+  Vector3d sum(0, 0, 0);
+  for (const Vector3d& p : s.corners) sum += p;
+  return at.x + at.turn(sum / static_cast<double>(s.corners.size()));
+}
+
+/// Whether two polytopes overlap by more than `least` [m], where that is seen fast: no, where a plane parts them; yes,
+/// where the middle of one lies in the other. Touching points of all pairs of edges cost a millisecond.
+/// Source: Chung & Wang, Quick collision detection of polytopes in virtual environments (1996).
+std::optional<bool> quick_overlap(const spatial::Shape& x, const spatial::Pose& at_x, const spatial::Shape& y,
+                                  const spatial::Pose& at_y, double least) {
+  const Vector3d p = middle(x, at_x), q = middle(y, at_y);
+  if (x.hull->depth_of(at_x.turn_back(q - at_x.x)) < -least || y.hull->depth_of(at_y.turn_back(p - at_y.x)) < -least)
+    return true;
+  constexpr int kDirections = 20;
+  if (p == q) return std::nullopt;
+  Vector3d d = (q - p).normalized();
+  for (int i = 0; i < kDirections; ++i) {
+    const Vector3d way = farthest(y, at_y, -d) - farthest(x, at_x, d);
+    if (d.dot(way) >= 0) return false;
+    const Vector3d r = way.normalized();
+    d = (d - 2 * r.dot(d) * r).normalized();
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -237,6 +271,8 @@ bool SceneText::overlap(const spatial::Shape& x, const spatial::Pose& at_x, cons
   const auto [p, r] = ball(x, at_x);
   const auto [q, t] = ball(y, at_y);
   if ((p - q).norm() > r + t) return false;
+  if (x.polytope() && y.polytope())
+    if (const auto known = quick_overlap(x, at_x, y, at_y, 1e-9 * (r + t))) return *known;
   const spatial::TouchPoints points = touch(at_x, x, at_y, y);
   for (int i = 0; i < points.count; ++i)
     if (points.points[static_cast<std::size_t>(i)].gap < -1e-9 * (r + t)) return true;
