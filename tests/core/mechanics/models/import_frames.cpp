@@ -1,6 +1,9 @@
 // Frames and inertias of imported models: turns of all kinds, products of inertia, bodies of several geoms.
 #include "tests/core/mechanics/models/imported.h"
 
+#include <orthant/core/support/options.h>
+#include <orthant/core/support/random.h>
+
 #include <Eigen/Geometry>
 
 #include <numbers>
@@ -77,4 +80,59 @@ TEST_CASE("MJCF: a body of two geoms has the centre and the inertia of both, wit
   CHECK(b.mass == doctest::Approx(mass).epsilon(1e-14));
   CHECK((b.position - centre).norm() < 1e-14);
   CHECK((b.inertia - inertia).norm() < 1e-12 * inertia.norm());
+}
+
+TEST_CASE("MJCF: of boxes in one tree just those that overlap at the start do not meet") {
+  struct Box {
+    Vector3d at, half;
+    Eigen::Matrix3d R;
+    double reach(const Vector3d& d) const { return half.dot((R.transpose() * d).cwiseAbs()); }
+  };
+  Random random(3);
+  std::vector<Box> boxes;
+  std::string bodies;
+  const auto list = [](const Vector3d& x) {
+    return detail::text_of(x.x()) + " " + detail::text_of(x.y()) + " " + detail::text_of(x.z());
+  };
+  const auto any = [&](double lo, double hi) {
+    return Vector3d(random.uniform(lo, hi), random.uniform(lo, hi), random.uniform(lo, hi));
+  };
+  for (int i = 0; i < 60; ++i) {
+    Box b{any(-0.8, 0.8), any(0.01, 0.4), {}};
+    const Vector3d turn = any(-180, 180);
+    b.R = turn_about(0, turn.x() * std::numbers::pi / 180) * turn_about(1, turn.y() * std::numbers::pi / 180) *
+          turn_about(2, turn.z() * std::numbers::pi / 180);
+    bodies += "<body pos='" + list(b.at) + "' euler='" + list(turn) + "'><joint/><geom type='box' size='" +
+              list(b.half) + "'/></body>\n";
+    boxes.push_back(b);
+  }
+  const Imported t = taken(mujoco(world("<body><freejoint/><geom size='0.1' pos='0 0 9'/>" + bodies + "</body>")));
+  REQUIRE(t.scene.collisions.size() == 1);
+  REQUIRE(t.scene.bodies.size() == boxes.size() + 1);
+  const auto& apart = t.scene.collisions[0].apart;
+  int overlaps = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Box &a = boxes[i], &b = boxes[k];
+      std::vector<Vector3d> axes;  // separating axes of two boxes: faces, and pairs of edges
+      for (int m = 0; m < 3; ++m) {
+        axes.push_back(a.R.col(m)), axes.push_back(b.R.col(m));
+        for (int n = 0; n < 3; ++n)
+          axes.push_back(Vector3d(Vector3d(a.R.col(m)).cross(Vector3d(b.R.col(n)))).normalized());
+      }
+      double gap = -1e9;
+      for (const Vector3d& d : axes) gap = std::max(gap, std::abs(d.dot(a.at - b.at)) - a.reach(d) - b.reach(d));
+      REQUIRE(std::abs(gap) > 1e-6);  // no two that nearly touch
+      const auto one = static_cast<BodyId>(i + 1), other = static_cast<BodyId>(k + 1);
+      const bool listed = std::ranges::any_of(apart, [&](const auto& pair) {
+        return pair == std::pair{one, other} || pair == std::pair{other, one};
+      });
+      CAPTURE(i);
+      CAPTURE(k);
+      CAPTURE(gap);
+      CHECK(listed == (gap < 0));
+      overlaps += gap < 0;
+    }
+  CHECK(overlaps > 50);
+  CHECK(overlaps < 1700);
 }
