@@ -30,7 +30,7 @@ H5::DSetCreatPropList layout_of(char layout, hsize_t entries) {
 }
 
 /// One line: path, type and layout, entries. Type s is one text, v a list of texts of any length.
-void put(const H5::H5File& file, const std::string& line) {
+void write_described(const H5::H5File& file, const std::string& line) {
   std::istringstream in(line);
   std::string path, kind, words;
   in >> path >> kind >> std::ws;
@@ -69,7 +69,7 @@ bool orthant::fuzz::fclib(std::string_view bytes) {
     const H5::H5File file(name.path(), H5F_ACC_TRUNC);
     std::istringstream lines{std::string(bytes)};
     for (std::string line; std::getline(lines, line);) try {
-        put(file, line);
+        write_described(file, line);
       } catch (const H5::Exception&) {  // no such path, or there is one
       }
   }

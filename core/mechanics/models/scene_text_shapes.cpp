@@ -22,13 +22,13 @@ double friction_of(const ModelShape& x, const ModelShape& y) {
 }
 
 /// The corner that lies farthest along d, in the world.
-Vector3d farthest(const spatial::Shape& s, const spatial::Pose& at, const Vector3d& d) {
+Vector3d farthest_corner(const spatial::Shape& s, const spatial::Pose& at, const Vector3d& d) {
   const Vector3d way = at.turn_back(d);
   const auto nearer = [&](const Vector3d& p, const Vector3d& q) { return way.dot(p) < way.dot(q); };
   return at.x + at.turn(*std::max_element(s.corners.begin(), s.corners.end(), nearer));
 }
 
-Vector3d middle(const spatial::Shape& s, const spatial::Pose& at) {
+Vector3d middle_of_corners(const spatial::Shape& s, const spatial::Pose& at) {
   Vector3d sum(0, 0, 0);
   for (const Vector3d& p : s.corners) sum += p;
   return at.x + at.turn(sum / static_cast<double>(s.corners.size()));
@@ -39,14 +39,14 @@ Vector3d middle(const spatial::Shape& s, const spatial::Pose& at) {
 /// Source: Chung & Wang, Quick collision detection of polytopes in virtual environments (1996).
 std::optional<bool> quick_overlap(const spatial::Shape& x, const spatial::Pose& at_x, const spatial::Shape& y,
                                   const spatial::Pose& at_y, double least) {
-  const Vector3d p = middle(x, at_x), q = middle(y, at_y);
+  const Vector3d p = middle_of_corners(x, at_x), q = middle_of_corners(y, at_y);
   if (x.hull->depth_of(at_x.turn_back(q - at_x.x)) < -least || y.hull->depth_of(at_y.turn_back(p - at_y.x)) < -least)
     return true;
   constexpr int kDirections = 20;
   if (p == q) return std::nullopt;
   Vector3d d = (q - p).normalized();
   for (int i = 0; i < kDirections; ++i) {
-    const Vector3d way = farthest(y, at_y, -d) - farthest(x, at_x, d);
+    const Vector3d way = farthest_corner(y, at_y, -d) - farthest_corner(x, at_x, d);
     if (d.dot(way) >= 0) return false;
     const Vector3d r = way.normalized();
     d = (d - 2 * r.dot(d) * r).normalized();
