@@ -3,6 +3,7 @@
 // Each pile settles; `--by` solves its steps. Two Markdown tables. The first has, of the last steps: sweeps (or other
 // iterations of the solver), processor time per contact of a whole step, memory per body (scene, system, integrator)
 // and per contact (all that steps add), the peak of the process, the residual as a share of g h, the largest overlap.
+// Contacts are those of a step's problem.
 // With several numbers of threads the last steps take them by turns, on one motion, and wall times follow. Below it
 // stands the slope of each quantity in a log-log fit over the number of contacts. The second table has each solver's
 // time on the last step's problem, from a cold start, until the judge accepts a residual (relative to the problem's
@@ -79,7 +80,7 @@ struct Settling {
 
 /// What the last steps cost and reached.
 struct Cost {
-  double contacts = 0, iterations = 0, seconds = 0;  // of a step; processor time with one thread
+  double contacts = 0, iterations = 0, seconds = 0;  // of a step's problem; processor time with one thread
   std::vector<double> wall;                          // [s] a step, of each number of threads
   double body_bytes = 0, contact_bytes = 0;          // of one
   double residual = 0, penetration = 0;              // the largest [g h, m]
@@ -143,9 +144,7 @@ template <class Space> class Motion {
         look_at_problem(cost);
         return cost;
       }
-      double contacts = 0;
-      for (const auto& impulse : scheme_->impulses()) contacts += impulse.normal > 0;
-      cost.contacts += contacts / static_cast<double>(counted);
+      cost.contacts += closed_contacts() / static_cast<double>(counted);
       cost.iterations += report_.lcp_iterations / static_cast<double>(counted);
       cost.processor += of_process / static_cast<double>(counted);
       ++taken[turn], cost.wall[turn] += wall_time() - wall;
@@ -179,6 +178,12 @@ template <class Space> class Motion {
     cost.end =
         "step " + std::to_string(steps_) + ": " + std::string(name(report_.status)) + " " + std::string(scheme_->why());
     return false;
+  }
+
+  /// Contacts of the last step's problem, all of them with friction.
+  double closed_contacts() const {
+    const auto* stepping = dynamic_cast<const VelocitySteppingOf<Space>*>(scheme_.get());
+    return stepping == nullptr ? 0 : static_cast<double>(stepping->formulation().step_problem().friction().size());
   }
 
   void look_at_problem(Cost& cost) const {
