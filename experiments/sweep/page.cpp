@@ -81,8 +81,8 @@ template <class Scene> void check_run_of(const Json& animation, const Json& run,
   make_solver(run.value("solver", "auto"));
   if (!animation.contains("magnify")) return;
   if (!planar) refuse("animation.magnify", animation["magnify"].dump(), "must be absent where the scene is in space");
-  const auto is_magnified = [&](const auto& body) { return body.name == animation["magnify"]; };
-  if (std::ranges::none_of(system.scene().bodies, is_magnified))
+  const auto magnified = animation["magnify"].get<std::string>();
+  if (std::ranges::none_of(system.scene().bodies, [&](const auto& body) { return body.name == magnified; }))
     refuse("animation.magnify", animation["magnify"].dump(), "must be a body of the scene");
 }
 

@@ -12,23 +12,32 @@ namespace {
 
 long g_left = 0;  // allocations until there is no memory
 
-/// While it lives SuiteSparse (CHOLMOD, KLU, UMFPACK) gets that many pieces of memory and no more.
+using Malloc = void*(std::size_t);
+using Calloc = void*(std::size_t, std::size_t);
+using Realloc = void*(void*, std::size_t);
+
+/// Functions that SuiteSparse (CHOLMOD, KLU, UMFPACK) takes memory by; from version 7 on its table of them is hidden.
+void allocate_by(Malloc* malloc_function, Calloc* calloc_function, Realloc* realloc_function) {
+#if SUITESPARSE_MAIN_VERSION >= 7
+  SuiteSparse_config_malloc_func_set(malloc_function);
+  SuiteSparse_config_calloc_func_set(calloc_function);
+  SuiteSparse_config_realloc_func_set(realloc_function);
+#else
+  SuiteSparse_config.malloc_func = malloc_function;
+  SuiteSparse_config.calloc_func = calloc_function;
+  SuiteSparse_config.realloc_func = realloc_function;
+#endif
+}
+
+/// While it lives SuiteSparse gets that many pieces of memory and no more.
 struct Shortage {
   explicit Shortage(long pieces) {
     g_left = pieces;
-    SuiteSparse_config.malloc_func = [](std::size_t size) { return g_left-- > 0 ? std::malloc(size) : nullptr; };
-    SuiteSparse_config.calloc_func = [](std::size_t n, std::size_t size) {
-      return g_left-- > 0 ? std::calloc(n, size) : nullptr;
-    };
-    SuiteSparse_config.realloc_func = [](void* p, std::size_t size) {
-      return g_left-- > 0 ? std::realloc(p, size) : nullptr;
-    };
+    allocate_by([](std::size_t size) { return g_left-- > 0 ? std::malloc(size) : nullptr; },
+                [](std::size_t n, std::size_t size) { return g_left-- > 0 ? std::calloc(n, size) : nullptr; },
+                [](void* p, std::size_t size) { return g_left-- > 0 ? std::realloc(p, size) : nullptr; });
   }
-  ~Shortage() {
-    SuiteSparse_config.malloc_func = std::malloc;
-    SuiteSparse_config.calloc_func = std::calloc;
-    SuiteSparse_config.realloc_func = std::realloc;
-  }
+  ~Shortage() { allocate_by(std::malloc, std::calloc, std::realloc); }
   Shortage(const Shortage&) = delete;
   Shortage& operator=(const Shortage&) = delete;
 };
