@@ -84,7 +84,7 @@ TEST_CASE("a sleeping island in space wakes on a strike and on a load, and never
                                  .inertia = Vector3d::Constant(0.05).asDiagonal(),
                                  .position = -4.7 * along + 1.5 * up,
                                  .velocity = 8 * along + 9.81 / 4 * up});
-  struck.contact(spatial::SpherePlane{"side", ball, {}, 0.2, 1, {-kHalf, 0, 0}, {-1, 0, 0}, {.e = 0.5}});
+  struck.contact(spatial::SpherePlane{"side", ball, {0, 0, 0}, 0.2, 1, {-kHalf, 0, 0}, {-1, 0, 0}, {.e = 0.5}});
   check_wakes(struck);
 
   spatial::Scene pushed = cubes();
