@@ -280,7 +280,8 @@ template <class Space> bool StepProblemOf<Space>::drop_restitution() {
 
 template <class Space> void StepProblemOf<Space>::release(const std::vector<Impulse>& stored) {
   Index i = joint_rows();
-  for (const Contact& c : contacts_) lcp_.lo[i++] = c.law->e * stored[static_cast<std::size_t>(c.index)].normal;
+  for (const Contact& c : contacts_)  // a solver may leave −ε for 0
+    lcp_.lo[i++] = c.law->e * std::max(0.0, stored[static_cast<std::size_t>(c.index)].normal);
 }
 
 template <class Space> void StepProblemOf<Space>::bind() {

@@ -15,6 +15,9 @@ constexpr std::uintmax_t kLargestArray = 1 << 30;  // [bytes] as numbers in memo
 constexpr std::uintmax_t kDeflated = 1032;         // most bytes that one becomes (zlib, Technical Details)
 constexpr std::uintmax_t kLargestText = 64 << 20;  // [bytes]
 
+/// Refuses a link to another file before that one is opened: it may be none that ends.
+herr_t stay_here(const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return -1; }
+
 }  // namespace
 
 struct Hdf5Input::File {
@@ -22,9 +25,21 @@ struct Hdf5Input::File {
   std::uintmax_t size = 0;  // [bytes]
   std::uintmax_t left = 0;  // entries that may still be read: of data sets with many names, too
   H5::H5File h5;
+  H5::DSetAccPropList access;  // within this file
+
+  File() { H5Pset_elink_cb(access.getId(), &stay_here, nullptr); }
 
   [[noreturn]] void refuse(const std::string& path, const std::string& rule) const {
     throw std::runtime_error(name + ": " + path + " " + rule);
+  }
+
+  /// Whether the last part of the path is there. Throws where it is a link to another file.
+  bool has(const std::string& path) const {
+    if (H5Lexists(h5.getId(), path.c_str(), access.getId()) <= 0) return false;
+    H5L_info_t link{};
+    if (H5Lget_info(h5.getId(), path.c_str(), &link, access.getId()) >= 0 && link.type == H5L_TYPE_EXTERNAL)
+      refuse(path, "is in another file: must be in this one");
+    return true;
   }
 
   /// Throws unless the file stores all entries of the data set. The library (1.10) does not compare sizes itself, and
@@ -70,8 +85,8 @@ std::vector<std::string> Hdf5Input::arrays() const {
 
 bool Hdf5Input::has(const std::string& path) const {
   for (std::size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1))
-    if (H5Lexists(file_->h5.getId(), path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
-  return H5Lexists(file_->h5.getId(), path.c_str(), H5P_DEFAULT) > 0;
+    if (!file_->has(path.substr(0, end))) return false;
+  return file_->has(path);
 }
 
 void Hdf5Input::refuse(const std::string& path, const std::string& rule) const { file_->refuse(path, rule); }
@@ -80,7 +95,7 @@ template <class Number> std::vector<Number> Hdf5Input::list(const std::string& p
   constexpr bool kWhole = std::is_integral_v<Number>;
   if (!has(path)) refuse(path, "is missing");
   try {
-    const H5::DataSet set = file_->h5.openDataSet(path);
+    const H5::DataSet set = file_->h5.openDataSet(path, file_->access);
     const H5T_class_t kind = set.getTypeClass();
     if (kind != H5T_INTEGER && (kWhole || kind != H5T_FLOAT))
       refuse(path, kWhole ? "must hold whole numbers" : "must hold numbers");
@@ -106,7 +121,7 @@ std::vector<int> Hdf5Input::integers(const std::string& path) const { return lis
 std::string Hdf5Input::text(const std::string& path) const {
   if (!has(path)) refuse(path, "is missing");
   try {
-    const H5::DataSet set = file_->h5.openDataSet(path);
+    const H5::DataSet set = file_->h5.openDataSet(path, file_->access);
     if (set.getTypeClass() != H5T_STRING || set.getSpace().getSimpleExtentNpoints() != 1)
       refuse(path, "must be one text");
     check_size(file_->name + ": " + path, set.getStrType().getSize(), kLargestText);

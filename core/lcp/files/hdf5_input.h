@@ -18,8 +18,8 @@ class Hdf5Input {
   explicit Hdf5Input(const std::filesystem::path& file);
   ~Hdf5Input();
   std::vector<std::string> arrays() const;  // names of the data sets outside of groups, alphabetically
-  bool has(const std::string& path) const;
-  std::uintmax_t most_numbers() const;  // that a file of this size can hold, deflated and of one byte each
+  bool has(const std::string& path) const;  // throws where a part of it is a link to another file
+  std::uintmax_t most_numbers() const;      // that a file of this size can hold, deflated and of one byte each
   std::vector<double> numbers(const std::string& path) const;
   std::vector<int> integers(const std::string& path) const;
   std::string text(const std::string& path) const;  // at most 64 MiB

@@ -8,6 +8,8 @@
 #include <H5Cpp.h>
 #include <doctest/doctest.h>
 
+#include <sys/stat.h>
+
 #include <vector>
 
 using namespace orthant;
@@ -45,6 +47,25 @@ TEST_CASE("HDF5: a data set must hold all its entries, in the same file") {
     H5Lcreate_external("other.hdf5", "mu", file.getId(), "fclib_global/vectors/mu", H5P_DEFAULT, H5P_DEFAULT);
   });
   must_refuse(folder / "bad.hdf5", elsewhere);
+  // Nor is the other file opened, which need not end: from here, through another name, by way of a group.
+  const std::string pipe = folder / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const auto to_pipe = [&](const H5::H5File& file, const char* path) {
+    H5Lcreate_external(pipe.c_str(), "mu", file.getId(), path, H5P_DEFAULT, H5P_DEFAULT);
+  };
+  mu([&](const H5::H5File& file) { to_pipe(file, "fclib_global/vectors/mu"); });
+  must_refuse(folder / "bad.hdf5", elsewhere);
+  mu([&](const H5::H5File& file) {
+    to_pipe(file, "elsewhere");
+    file.link(H5L_TYPE_SOFT, "/elsewhere", "fclib_global/vectors/mu");
+  });
+  must_refuse(folder / "bad.hdf5", "fclib_global/vectors/mu cannot be read");
+  mu([&](const H5::H5File& file) {
+    file.unlink("fclib_global/vectors");
+    to_pipe(file, "fclib_global/vectors");
+  });
+  must_refuse(folder / "bad.hdf5", "fclib_global/vectors is in another file: must be in this one");
+
   mu([&](const H5::H5File& file) {
     H5::DSetCreatPropList made;
     made.setExternal((folder / "other.hdf5").c_str(), 0, count * sizeof(double));
