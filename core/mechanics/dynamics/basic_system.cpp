@@ -14,7 +14,7 @@ namespace {
 constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
 constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
 constexpr double kAsChosen = 0.1;     // of that growth where the pivots were chosen
-constexpr double kMostEver = 1e-7;    // in any case
+constexpr double kMostEver = 1e-9;    // in any case
 constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
 constexpr double kDoubtful = 1e-9;    // likewise: rounding of S makes that, ε times the ratio of the masses
 
