@@ -95,7 +95,8 @@ TEST_CASE("HDF5: a data set must hold all its entries, in the same file") {
   for (std::size_t i = bytes.find(extent); i != std::string::npos; i = bytes.find(extent, i + 1))
     bytes[i + 2] = 1, ++changed;  // 12345 + 65536
   REQUIRE(changed >= 1);
-  must_refuse(folder.write("bad.hdf5", bytes), "fclib_global/vectors/mu has 12345 bytes for 77881 entries of 1 bytes");
+  // Later libraries (1.14) see that themselves: then it "cannot be read".
+  must_refuse(folder.write("bad.hdf5", bytes), "fclib_global/vectors/mu ");
 }
 
 TEST_CASE("HDF5: sizes that no file of this size can hold cost no memory") {

@@ -264,8 +264,8 @@ TEST_CASE("wrong models are refused with file, line, element, value and rule") {
   CHECK(refusal_of_model(good, {"speed=1"}).find("unknown option model.speed: must be one of") == 0);
   CHECK(refusal_of_model(good, {"floor=high"}).find("option model.floor = 'high': must be a number") == 0);
   std::string deep;
-  for (int i = 0; i < 101; ++i) deep += "<a>";
-  CHECK(refusal_of_model(deep).find("elements are nested too deep: must be at most 100") != std::string::npos);
+  for (int i = 0; i < 600; ++i) deep += "<a>";
+  CHECK(refusal_of_model(deep).find("elements are nested too deep: must be at most ") != std::string::npos);
   CHECK(refusal_of_model(std::string(200001, '<')).find("has more than 200000 tags") != std::string::npos);
 }
 
