@@ -51,9 +51,8 @@ XmlElement parse_xml(std::string_view text, const std::string& file) {
   tinyxml2::XMLDocument document;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     if (document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED)
-      refuse_xml(
-          file, document.ErrorLineNum(),
-          "elements are nested too deep: must be at most " + std::to_string(tinyxml2::TINYXML2_MAX_ELEMENT_DEPTH));
+      refuse_xml(file, document.ErrorLineNum(),
+                 "elements are nested too deep: must be at most " + std::to_string(TINYXML2_MAX_ELEMENT_DEPTH));
     std::string why = document.ErrorName();
     why = why.substr(why.starts_with("XML_ERROR_") ? 10 : 0);
     refuse_xml(file, std::max(1, document.ErrorLineNum()), "is no XML: " + shortened(why));
