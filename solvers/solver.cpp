@@ -1,4 +1,5 @@
 #include <orthant/core/lcp/judge/exact_proof.h>
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/solvers/cones/facets.h>
 #include <orthant/solvers/factorization_count.h>
 #include <orthant/solvers/pivoting/enumerate.h>
@@ -15,8 +16,6 @@ namespace {
 // Times the limit of solved: from there on a z that is rounded only is worth the search for a proof that there is none.
 constexpr double kFar = 100;
 constexpr Index kMostWithRoom = 30;  // rows up to which other proofs are sought near one that rounding spoils
-// Rows up to which a solve takes memory for the judge's further looks in any case, and keeps its scratch.
-constexpr Index kTakenNow = 50000;
 // Of the largest |b|: a residual below it may be that of rows with small terms only.
 constexpr double kFine = 1e-10;
 
@@ -316,7 +315,7 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
     s.z.setZero();
   }
   s.w.resize(n);
-  if (n <= kTakenNow) {
+  if (n <= kKeptRows) {  // for the judge's further looks, needed or not
     fine_rows_.reserve(n);
     if (put_.z.size() < n) put_.z.resize(n), put_.w.resize(n);
   }
@@ -366,9 +365,9 @@ const Solution& Solver::solve_checked(const Lcp& problem, Solution& s, Start sta
   if (open(s) && proof_search_) judge_.explain(problem, tolerance(), s);  // else the caller judges again
   s.factorizations = factorization_count().factorizations - before.factorizations;
   s.factorized_rows = factorization_count().rows - before.rows;
-  if (n > kTakenNow) {
+  if (n > kKeptRows) {
     judge_.release(), release();
-    for (Vector* each : {&before_, &scratch_, &proof_}) *each = Vector();
+    free_memory(before_, scratch_, proof_);
   }
   return s;
 }

@@ -1,14 +1,9 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/integrators/step/carried_guess.h>
 
 #include <algorithm>
 
 namespace orthant {
-namespace {
-
-constexpr std::size_t kKept = 50000;  // contacts up to which scratch stays for the next step
-
-}  // namespace
-
 void CarriedGuess::fit(const StepProblemOf<Spatial>& problem, const TermsOf<Spatial>& terms, Eigen::Index listed,
                        Vector& z) {
   now_.clear();
@@ -38,7 +33,7 @@ void CarriedGuess::fit(const StepProblemOf<Spatial>& problem, const TermsOf<Spat
     }
   }
   last_.swap(now_);
-  if (last_.size() > kKept) std::vector<Place>().swap(now_), was_ = Vector();
+  if (last_.size() > at(kKeptRows)) free_memory(now_, was_);
 }
 
 }  // namespace orthant

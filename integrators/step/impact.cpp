@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/core/support/options.h>
 #include <orthant/integrators/step/impact.h>
 
@@ -9,8 +10,7 @@ namespace {
 
 constexpr double kTie = 1e-9;  // of the fastest approach: as fast
 constexpr int kMostInTurn = 1000;
-constexpr int kTakenAtOnce = 50000;  // contacts up to which memory is taken now, whether a law needs it or not
-constexpr double kLeft = 1e-10;      // of the first approach: the rest of an infinite sequence
+constexpr double kLeft = 1e-10;                 // of the first approach: the rest of an infinite sequence
 constexpr double kRateRounding = 16 * 0x1p-53;  // of the terms of a rate
 
 /// Σ |J_k v_k| of one row.
@@ -32,7 +32,7 @@ template <class Space> ImpactOf<Space>::ImpactOf(const System& system, Form form
       impacts_(system.scene().impacts),
       form_(form),
       formulation_(system, form),
-      sum_(has_law() || system.contacts() <= kTakenAtOnce ? static_cast<std::size_t>(system.contacts()) : 0),
+      sum_(has_law() || system.contacts() <= kKeptRows ? static_cast<std::size_t>(system.contacts()) : 0),
       one_(sum_),
       v_(system.dof()),
       rate_(system.joint_rows()),

@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/integrators/step/island_solve.h>
 #include <orthant/integrators/step/rate_targets.h>
 
@@ -6,9 +7,8 @@
 namespace orthant {
 namespace {
 
-constexpr Index kShared = 100;      // rows beyond the largest island's, from which on threads gain
-constexpr Index kWhole = 3000;      // rows of an island from which on its copy costs memory that counts
-constexpr Index kTakenNow = 50000;  // rows up to which a step allocates nothing, however many contacts close
+constexpr Index kShared = 100;  // rows beyond the largest island's, from which on threads gain
+constexpr Index kWhole = 3000;  // rows of an island from which on its copy costs memory that counts
 
 /// Rows of closed contacts, lent as long as this lives: also where a solver throws.
 template <class StepProblem> class Loan {
@@ -38,7 +38,7 @@ template <class Space> IslandSolveOf<Space>::IslandSolveOf(const SystemOf<Space>
     : islands_(system), unit_(system.length_unit()) {
   const Index most = problem.most_rows();
   add_bench(problem);
-  if (most > kTakenNow) return;
+  if (most > kKeptRows) return;
   outcomes_.reserve(static_cast<std::size_t>(most));
   for (Vector* each : {&found_.z, &found_.w}) each->resize(most);
 }

@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/integrators/step/islands.h>
 #include <orthant/integrators/step/row_list.h>
 
@@ -5,19 +6,13 @@
 #include <numeric>
 
 namespace orthant {
-namespace {
-
-constexpr std::size_t kReserved = 50000;  // rows up to which a step allocates nothing, however many contacts close
-
-}  // namespace
-
 template <class Space> Islands::Islands(const SystemOf<Space>& system)
     : fixed_(system.assembly()), sets_(fixed_.size()), block_(fixed_.size()) {
   sets_.assign(fixed_);
   whole_ = std::ranges::count(fixed_, fixed_.empty() ? 0 : fixed_[0]) == std::ssize(fixed_);
   const auto most = static_cast<std::size_t>((1 + Space::kTangents) * system.contacts() + system.joint_rows()) +
                     system.scene().frictions.size();
-  if (most > kReserved) return;
+  if (most > at(kKeptRows)) return;
   of_row_.reserve(most), row_.reserve(most), start_.reserve(most + 1);
 }
 
@@ -43,7 +38,7 @@ template <class Rows> void Islands::sort(const Rows& rows) {
     row_[start_[static_cast<std::size_t>(of_row_[i])]++] = static_cast<int>(i);
   for (std::size_t b = start_.size(); b-- > 1;) start_[b] = start_[b - 1];
   start_[0] = 0;
-  if (rows.size() > kReserved) std::vector<int>().swap(of_row_);
+  if (rows.size() > at(kKeptRows)) free_memory(of_row_);
 }
 
 template Islands::Islands(const SystemOf<Planar>&);

@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/integrators/step/lent_rows.h>
 
 #include <algorithm>
@@ -23,7 +24,7 @@ void LentRows::take(std::vector<ClosedContact>& closed) {
   rest_.reserve(closed.size());
   for (const auto& [contact, rows] : closed)
     rest_.push_back({contact, rows.normal.a, rows.normal.b, rows.point, rows.belt});
-  std::vector<ClosedContact>().swap(closed);
+  free_memory(closed);
 }
 
 }  // namespace orthant

@@ -7,6 +7,7 @@
 
 #include <orthant/core/lcp/matrix.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
+#include <orthant/core/support/kept_memory.h>
 
 #include <vector>
 
@@ -30,7 +31,7 @@ class LentRows {
       closed.push_back(
           {rest.contact, {row(rest, normal), {row(rest, tangent), row(rest, tangent + 1)}, rest.point, rest.belt}});
     }
-    std::vector<Rest>().swap(rest_);
+    free_memory(rest_);
   }
 
  private:

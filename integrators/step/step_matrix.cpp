@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/integrators/step/step_matrix.h>
 
 #include <algorithm>
@@ -59,9 +60,8 @@ StepMatrixOf<Space>::StepMatrixOf(const SystemOf<Space>& system, bool diagonal, 
 }
 
 template <class Space> void StepMatrixOf<Space>::prepare(Matrix& A) const {
-  constexpr Index kLittle = 50000;  // coordinates
   auto& made = A.emplace<Delassus>();
-  if (inverse_mass_.size() <= kLittle) made.inverse_mass = inverse_mass_;
+  if (inverse_mass_.size() <= kKeptRows) made.inverse_mass = inverse_mass_;
 }
 
 template <class Space> void StepMatrixOf<Space>::respond(const BasicSystem& basic, const RowList<Row>& rows) {

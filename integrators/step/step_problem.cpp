@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/integrators/step/step_problem.h>
 
 #include <algorithm>
@@ -6,8 +7,6 @@
 
 namespace orthant {
 namespace {
-
-constexpr Index kLittle = 50000;  // rows: some MB
 
 /// A journal whose centre is the bearing's has no normal and its whole clearance: it cannot touch there.
 bool centred_journal(const Scene& scene, int contact) {
@@ -79,7 +78,7 @@ template <class Space> StepProblemOf<Space>::StepProblemOf(const System& system,
               lcp_.A) {
   const auto contacts = static_cast<std::size_t>(system.contacts());
   // What a step can need at the most is taken now where it is little; else memory grows with the contacts that close.
-  if (most_ > kLittle) return;
+  if (most_ > kKeptRows) return;
   rows_.reserve(static_cast<std::size_t>(most_));
   contacts_.reserve(contacts);
   lcp_.friction.reserve(contacts);
@@ -347,7 +346,7 @@ template <class Space> bool StepProblemOf<Space>::regrade(const Vector& z, const
 template <class Space> bool StepProblemOf<Space>::lend([[maybe_unused]] ClosedContacts& closed) {
   if constexpr (kPlanar<Space>) return false;
   const auto has_all = [](const Contact& c) { return c.frictional && c.jammed == nullptr; };
-  if (!formed_ || !rows_.refers() || size() < kLittle || contacts_.size() != closed.size() ||
+  if (!formed_ || !rows_.refers() || size() <= kKeptRows || contacts_.size() != closed.size() ||
       !std::ranges::all_of(contacts_, has_all))
     return false;
   if constexpr (!kPlanar<Space>) lent_.take(closed);

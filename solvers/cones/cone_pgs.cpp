@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/solvers/cones/cone_pgs.h>
 
 #include <algorithm>
@@ -5,7 +6,13 @@
 
 namespace orthant {
 
-void ConePgs::begin_accelerated(const Vector& z) {
+void ConePgs::begin(const Vector& z) {
+  plain_ = false, least_ = kInf, begun_ = 0;
+  rest(z);
+}
+
+/// Momentum begins anew from z.
+void ConePgs::rest(const Vector& z) {
   momentum_ = 1;
   if (options_.accelerated) before_ = z, state_before_ = operator_sweeps_.state();
 }
@@ -19,7 +26,7 @@ void ConePgs::watch(const Vector& z, int iterations) {
     least_ = residual(), begun_ = iterations;
   } else if (iterations - begun_ >= std::max(kPatience, begun_ / 2)) {
     plain_ = !plain_, begun_ = iterations;
-    begin_accelerated(z);
+    rest(z);
   }
 }
 
@@ -50,7 +57,7 @@ double ConePgs::sweep(Vector& z, double omega, bool backward) {
 void ConePgs::release() {
   ConeSolver::release();
   sweeps_ = {}, operator_sweeps_.release();
-  for (Vector* each : {&before_, &ahead_, &state_before_, &state_ahead_}) *each = Vector();
+  free_memory(before_, ahead_, state_before_, state_ahead_);
 }
 
 Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
@@ -60,8 +67,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
   operator_sweeps_.load(form(), team_.get());
   operator_sweeps_.start(z);
   if (finished(z, operator_sweeps_.residual(z))) return Claim::time_limit;
-  begin_accelerated(z);
-  plain_ = false, least_ = kInf, begun_ = 0;
+  begin(z);
   double omega = options_.omega, mark = kInf, last = kInf;
   while (iterations < options_.max_sweeps) {
     ++iterations;
@@ -87,8 +93,7 @@ Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {
 Claim ConePgs::iterate(Vector& z, int& iterations) {
   if (!form().formed()) return iterate_unformed(z, iterations);
   sweeps_.load(form());
-  begin_accelerated(z);
-  plain_ = false, least_ = kInf, begun_ = 0;
+  begin(z);
   double omega = options_.omega, mark = kInf;
   while (iterations < options_.max_sweeps) {
     ++iterations;

@@ -37,7 +37,8 @@ class ConePgs final : public ConeSolver {
   Claim iterate(Vector& z, int& iterations) override;
   Claim iterate_unformed(Vector& z, int& iterations);
   double sweep(Vector& z, double omega, bool backward);
-  void begin_accelerated(const Vector& z);
+  void begin(const Vector& z);
+  void rest(const Vector& z);
   void watch(const Vector& z, int iterations);
   bool takes_operators() const override { return true; }
   void release() override;

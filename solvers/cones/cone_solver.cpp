@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/solvers/cones/cone_solver.h>
 
 #include <algorithm>
@@ -6,10 +7,9 @@
 namespace orthant {
 
 std::string ConeSolver::why_not(const Lcp& p) const {
-  constexpr Index kKept = 50000;  // rows up to which the memory stays
   static thread_local std::vector<int> kept;
   std::vector<int> own;
-  std::vector<int>& rows = p.size() > kKept ? own : kept;
+  std::vector<int>& rows = p.size() > kKeptRows ? own : kept;
   rows.assign(at(p.size()), 1);
   for (const Friction& f : p.friction)
     if ((rows[at(f.normal)] += static_cast<int>(f.rows)) > cones::kMostRows)
@@ -43,7 +43,7 @@ bool ConeSolver::finished(const Vector& z, double residual) {
 
 void ConeSolver::release() {
   form_ = {};
-  for (Vector* each : {&z_, &w_, &best_}) *each = Vector();
+  free_memory(z_, w_, best_);
 }
 
 Claim ConeSolver::run(const Lcp& problem, Solution& s, Start start) {

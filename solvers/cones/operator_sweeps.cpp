@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/solvers/cones/operator_sweeps.h>
 
 #include <algorithm>
@@ -33,12 +34,7 @@ void OperatorSweeps::load(const ConeForm& form, ThreadTeam* team) {
   part_.resize(at(domains_.count()));
 }
 
-void OperatorSweeps::release() {
-  domains_ = SweepDomains();
-  for (auto* each : {&own_, &part_}) std::vector<double>().swap(*each);
-  std::vector<int>().swap(place_), std::vector<char>().swap(alike_);
-  state_ = Vector();
-}
+void OperatorSweeps::release() { free_memory(domains_, own_, part_, place_, alike_, state_); }
 
 void OperatorSweeps::find_own(int c) {
   const auto& [W, inverse_mass, regularization] = form_->operand();

@@ -1,3 +1,4 @@
+#include <orthant/core/support/kept_memory.h>
 #include <orthant/solvers/cones/sweep_domains.h>
 
 #include <algorithm>
@@ -5,8 +6,6 @@
 
 namespace orthant {
 namespace {
-
-constexpr int kKept = 20000;  // contacts up to which scratch stays for the next problem
 
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64, by Steele, Lea & Flood (2014)
   x += 0x9E3779B97F4A7C15U;
@@ -28,12 +27,9 @@ void SweepDomains::load(const ConeForm& form) {
   find_nodes(form);
   gather(count);
   colour();
-  if (count > kKept) {
-    for (auto* each : {&node_start_, &node_, &use_start_, &use_, &node_of_, &of_, &queue_, &colour_of_, &last_,
-                       &first_domain_, &next_domain_, &entry_})
-      std::vector<int>().swap(*each);  // = {} keeps the memory
-    std::vector<std::uint64_t>().swap(hash_), std::vector<char>().swap(queued_);
-  }
+  if (count > kKeptRows)
+    free_memory(node_start_, node_, use_start_, use_, node_of_, of_, queue_, colour_of_, last_, first_domain_,
+                next_domain_, entry_, hash_, queued_);
 }
 
 /// use(column) for the entries of a block's rows; rows with the columns of the first one are passed over.

@@ -1,14 +1,8 @@
 #include <orthant/solvers/external/ipopt.h>
 #include <orthant/solvers/linear_algebra/sparse_budget.h>
 
-#if __has_include(<coin-or/IpTNLP.hpp>)  // Ipopt 3.14
-#include <coin-or/IpIpoptApplication.hpp>
-#include <coin-or/IpTNLP.hpp>
-#else
-#include <coin/IpIpoptApplication.hpp>
-#include <coin/IpTNLP.hpp>
-#endif
-
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,12 +1,11 @@
 #include <orthant/core/lcp/cones/contact.h>
+#include <orthant/core/support/kept_memory.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace orthant::cones {
 namespace {
-
-constexpr Index kKept = 50000;  // rows up to which scratch stays for the next problem
 
 double slip_length(const double* t, int rows) {
   if (rows == 1) return std::abs(t[0]);
@@ -46,9 +45,7 @@ void Blocks::load(const Lcp& p) {
     most_rows_ = std::max(most_rows_, b.rows);
     blocks_.push_back(b);
   }
-  if (n <= kKept) return;
-  for (auto* each : {&head_, &place_, &entry_}) std::vector<int>().swap(*each);  // = {} keeps the memory
-  std::vector<char>().swap(taken_);
+  if (n > kKeptRows) free_memory(head_, place_, entry_, taken_);
 }
 
 void Blocks::scale(const Matrix& A, Vector& d) const {

@@ -8,15 +8,9 @@
 #include <orthant/integrators/simulate.h>
 #include <orthant/solvers/registry.h>
 
-#if __has_include(<coin-or/IpTNLP.hpp>)  // Ipopt 3.14
-#include <coin-or/IpIpoptApplication.hpp>
-#include <coin-or/IpTNLP.hpp>
-#else
-#include <coin/IpIpoptApplication.hpp>
-#include <coin/IpTNLP.hpp>
-#endif
-
 #include <Eigen/Cholesky>
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
 #include <cmath>
 #include <functional>
 #include <memory>
