@@ -4,7 +4,7 @@
 // allocation for less: there scratch is freed after use.
 #pragma once
 
-#include "core/support/reusable.h"
+#include <orthant/core/support/reusable.h>
 
 namespace orthant {
 
