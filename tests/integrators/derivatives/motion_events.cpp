@@ -1,5 +1,5 @@
-// Derivatives of event-driven motions through events: static friction, impacts and closed contacts at the start, grazes;
-// against central differences of runs.
+// Derivatives of event-driven motions through events: static friction, impacts and closed contacts at the start,
+// grazes; against central differences of runs.
 #include <doctest/doctest.h>
 
 #include <orthant/core/support/options.h>

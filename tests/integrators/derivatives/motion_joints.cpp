@@ -1,5 +1,5 @@
-// Derivatives of event-driven motions of linked bodies: pins with clearance, links that land, starts that break a joint;
-// against central differences of runs.
+// Derivatives of event-driven motions of linked bodies: pins with clearance, links that land, starts that break a
+// joint; against central differences of runs.
 #include <doctest/doctest.h>
 
 #include "tests/integrators/derivatives/motion_trials.h"
