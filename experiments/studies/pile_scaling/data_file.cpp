@@ -34,8 +34,8 @@ std::string cells(const Cost& cost) {
 }
 
 /// All lines of one pile: it settles, and its last steps are taken from there in each way, by a process each.
-template <class Space>
-std::string lines_of(Motion<Space>&& pile, const Bodies& bodies, int count, const Cases& cases, const Settling& way) {
+template <class Space> std::string lines_of(PileMotion<Space>&& pile, const Bodies& bodies, int count,
+                                            const Cases& cases, const Settling& way) {
   Settling before = way;
   before.threads = {1};
   const Cost settled = pile.settle(before);

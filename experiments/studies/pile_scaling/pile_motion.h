@@ -63,10 +63,10 @@ double wall_time();
 std::vector<std::unique_ptr<Solver>> solvers_of(const Settling& way);
 
 /// A pile and its motion. Memory counts from here on.
-template <class Space> class Motion {
+template <class Space> class PileMotion {
  public:
   using System = SystemOf<Space>;
-  template <class Scene> Motion(Scene&& scene, double gravity) : system_(std::forward<Scene>(scene)), g_(gravity) {}
+  template <class Scene> PileMotion(Scene&& scene, double gravity) : system_(std::forward<Scene>(scene)), g_(gravity) {}
 
   /// The steps before those that count, by the last number of threads.
   Cost settle(const Settling& way) {
@@ -164,9 +164,9 @@ struct Bodies {
   template <class See> auto in_motion(int count, See&& see) const {
     Pour all = pouring;
     all.count = count;
-    return kind == Kind::pour   ? see(Motion<Spatial>(pour(all), all.g))
-           : kind == Kind::well ? see(Motion<Spatial>(spheres({.count = count}), kGravity))
-                                : see(Motion<Planar>(pile({.discs = count}), kGravity));
+    return kind == Kind::pour   ? see(PileMotion<Spatial>(pour(all), all.g))
+           : kind == Kind::well ? see(PileMotion<Spatial>(spheres({.count = count}), kGravity))
+                                : see(PileMotion<Planar>(pile({.discs = count}), kGravity));
   }
 };
 
