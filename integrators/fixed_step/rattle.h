@@ -26,6 +26,7 @@
 
 #include <orthant/integrators/fixed_step/two_level.h>
 #include <orthant/integrators/step/gyroscopic.h>
+#include <orthant/solvers/linear_algebra/anderson.h>
 
 namespace orthant {
 

@@ -30,6 +30,7 @@
 #include <orthant/integrators/step/projection.h>
 #include <orthant/integrators/step/sleep.h>
 #include <orthant/integrators/step/spatial_tunnelling.h>
+#include <orthant/solvers/linear_algebra/anderson.h>
 
 #include <array>
 #include <optional>

@@ -1,7 +1,5 @@
 #include <orthant/integrators/step/gyroscopic.h>
 
-#include <Eigen/QR>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -96,22 +94,6 @@ void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, cons
     const Vector3d omega = rotation<Spatial>(v, i), after = rotation<Spatial>(w, i);
     rotation<Spatial>(w, i) = at_end(frames, omega, to_start(frames, omega), after).omega;
   }
-}
-
-void Anderson::next(Eigen::VectorXd& x, const Eigen::VectorXd& image, const Eigen::VectorXd& scale) {
-  residual_ = scale.cwiseProduct(image - x);
-  if (known_ == 0) {
-    steps_.resize(x.size(), kDepth), changes_.resize(x.size(), kDepth);
-    x = image;
-  } else {
-    const Eigen::Index column = (known_ - 1) % kDepth, columns = std::min(known_, kDepth);
-    steps_.col(column) = image - last_image_;
-    changes_.col(column) = residual_ - last_;
-    const Eigen::VectorXd share = changes_.leftCols(columns).colPivHouseholderQr().solve(residual_);
-    x = image - steps_.leftCols(columns) * share;
-  }
-  last_image_ = image, last_ = residual_;
-  ++known_;
 }
 
 }  // namespace orthant

@@ -40,21 +40,4 @@ bool half_turning_impulse(const SystemOf<Spatial>& system, double h, const Eigen
 void to_end_axes(const SystemOf<Spatial>& system, const StepFrames& frames, const Eigen::VectorXd& v,
                  Eigen::VectorXd& w);
 
-/// Anderson acceleration of a fixed-point iteration x = G(x): from the last iterates the combination with the least
-/// residual. It converges where G itself is not a contraction, along few directions: gyroscopic coupling of slender
-/// bodies, whose spin has little inertia.
-/// Source: Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735.
-class Anderson {
- public:
-  void restart() { known_ = 0; }
-  /// x, whose image G(x) is given, becomes the next iterate. `scale`: of each entry's residual (√M).
-  void next(Eigen::VectorXd& x, const Eigen::VectorXd& image, const Eigen::VectorXd& scale);
-
- private:
-  static constexpr Eigen::Index kDepth = 6;
-  Eigen::Index known_ = 0;                        // iterates seen
-  Eigen::MatrixXd steps_, changes_;               // of images and of residuals, one column an iterate, in turn
-  Eigen::VectorXd last_image_, residual_, last_;  // residual: scaled G(x) − x
-};
-
 }  // namespace orthant

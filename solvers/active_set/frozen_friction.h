@@ -3,17 +3,15 @@
 //   z_t ∈ [−μ z_n, μ z_n] with z_n of the round before: symmetric and monotone where A is, as friction itself is not.
 //   From z = 0 the first round is the problem without friction; contacts that stick are found in the second or third,
 //   those that slide while others press on them at a linear rate (about μ), and in a wedge not at all: on request, the
-//   bounds are extrapolated from the last kMemory rounds after the first ones (Anderson's mixing).
+//   bounds are extrapolated from the last rounds after the first ones (anderson.h).
 // A fixed point is a solution. If the iteration reaches none, the judge decides on the last z.
-// Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432; Haslinger & Tvrdy, Apl. Mat. 28 (1983);
-// Anderson, J. ACM 12 (1965) 547-560.
+// Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432; Haslinger & Tvrdy, Apl. Mat. 28 (1983).
 #pragma once
 
 #include <orthant/core/lcp/problem.h>
 #include <orthant/core/lcp/solution.h>
 #include <orthant/solvers/budget.h>
-
-#include <Eigen/QR>
+#include <orthant/solvers/linear_algebra/anderson.h>
 
 #include <algorithm>
 
@@ -72,29 +70,21 @@ class FrozenFriction {  // reuse it
 
   /// The next assumed normals: those found, or what the last rounds make of them.
   void mix(int round) {
-    const Index columns = std::min(Index{round - kFree}, kMemory);
-    off_ = found_ - assumed_;
-    if (round >= kFree) {
-      const Index newest = (round - kFree) % kMemory;
-      if (round == kFree) changes_off_.resize(off_.size(), kMemory), changes_found_.resize(off_.size(), kMemory);
-      if (round > kFree) {
-        changes_off_.col((newest + kMemory - 1) % kMemory) = off_ - last_off_;
-        changes_found_.col((newest + kMemory - 1) % kMemory) = found_ - last_found_;
-      }
-      last_off_ = off_, last_found_ = found_;
+    if (round == 0) anderson_.restart();
+    if (round < kFree) {
+      assumed_ = found_;
+    } else {
+      anderson_.next(assumed_, found_);
+      assumed_ = assumed_.cwiseMax(0.0);
     }
-    assumed_ = found_;
-    if (columns < 1) return;
-    const Eigen::VectorXd share = changes_off_.leftCols(columns).colPivHouseholderQr().solve(off_);
-    if (share.allFinite()) assumed_ = (found_ - changes_found_.leftCols(columns) * share).cwiseMax(0.0);
   }
 
   static constexpr int kRounds = 60, kFree = 3;
-  static constexpr Index kMemory = 5;
+  static constexpr Index kDepth = 5;
   Lcp box_;
   Vector before_;
-  Eigen::VectorXd assumed_, found_, off_, last_off_, last_found_;  // of each friction row
-  Eigen::MatrixXd changes_off_, changes_found_;
+  Eigen::VectorXd assumed_, found_;  // of each friction row
+  Anderson anderson_{kDepth};
 };
 
 }  // namespace orthant

@@ -7,17 +7,17 @@
 namespace orthant {
 
 void ConePgs::begin(const Vector& z) {
-  plain_ = false, least_ = kInf, begun_ = 0;
+  pairs_ = Pairs::ahead, least_ = kInf, begun_ = 0;
   rest(z);
 }
 
-/// Momentum begins anew from z.
+/// Pairs begin anew from z.
 void ConePgs::rest(const Vector& z) {
-  momentum_ = 1;
+  momentum_ = 1, mixing_begun_ = false;
   if (options_.accelerated) before_ = z, state_before_ = operator_sweeps_.state();
 }
 
-/// Turns momentum off, or on again, where the residual last found is none that falls.
+/// Another kind of pairs where the residual last found is none that falls.
 void ConePgs::watch(const Vector& z, int iterations) {
   constexpr int kPatience = 200;
   constexpr double kFalls = 0.9;
@@ -25,8 +25,19 @@ void ConePgs::watch(const Vector& z, int iterations) {
   if (residual() < kFalls * least_) {
     least_ = residual(), begun_ = iterations;
   } else if (iterations - begun_ >= std::max(kPatience, begun_ / 2)) {
-    plain_ = !plain_, begun_ = iterations;
+    pairs_ = pairs_ == Pairs::ahead ? Pairs::plain : pairs_ == Pairs::plain ? Pairs::mixed : Pairs::ahead;
+    begun_ = iterations;
     rest(z);
+  }
+}
+
+/// z, the image of the last pair, becomes the next one's start.
+void ConePgs::mix(Vector& z) {
+  if (mixing_begun_) {
+    mixing_.next(before_, z), z = before_;
+    if (!form().formed()) operator_sweeps_.start(z);
+  } else {
+    mixing_.restart(), before_ = z, mixing_begun_ = true;
   }
 }
 
@@ -37,7 +48,8 @@ double ConePgs::sweep(Vector& z, double omega, bool backward) {
     return formed ? sweeps_.sweep(z, omega, back) : operator_sweeps_.sweep(z, omega, back);
   };
   if (!options_.accelerated) return once(backward);
-  if (plain_) return once(false) + once(true);
+  if (pairs_ == Pairs::mixed) mix(z);
+  if (pairs_ != Pairs::ahead) return once(false) + once(true);
   if (!formed && operator_sweeps_.stale()) {  // both: momentum would carry on the rounding of one, ever larger
     operator_sweeps_.start(before_), state_before_ = operator_sweeps_.state();
     operator_sweeps_.start(z);
@@ -57,7 +69,7 @@ double ConePgs::sweep(Vector& z, double omega, bool backward) {
 void ConePgs::release() {
   ConeSolver::release();
   sweeps_ = {}, operator_sweeps_.release();
-  free_memory(before_, ahead_, state_before_, state_ahead_);
+  free_memory(before_, ahead_, state_before_, state_ahead_, mixing_);
 }
 
 Claim ConePgs::iterate_unformed(Vector& z, int& iterations) {

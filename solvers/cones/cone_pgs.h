@@ -7,7 +7,8 @@
 //   again (θ = 1) where it leads uphill, ⟨y − z⁺, z⁺ − z⟩ > 0. Where sweeps alone take a number that grows like the
 //   square of a stack's height, these take one that grows like the height. An iteration is a pair. Coulomb's law has
 //   no descent, and momentum may circle for ever: where the least residual stays for kPatience pairs, and half as many
-//   as there were, the next ones go without momentum, until they too get nowhere.
+//   as there were, the next ones go without momentum, until they too get nowhere. Then their images are combined
+//   (anderson.h): sweeps alone may circle, too, along a few directions.
 //   Operators of many rows are swept unformed, by several threads (operator_sweeps.h). The residual costs half a sweep
 //   there: it is found after the first sweep, after every kLook, and where the changes of z promise the end.
 //   Source of the momentum: O'Donoghue & Candès, Found. Comput. Math. 15 (2015) 715-732.
@@ -18,6 +19,7 @@
 #include <orthant/solvers/cones/cone_solver.h>
 #include <orthant/solvers/cones/cone_sweeps.h>
 #include <orthant/solvers/cones/operator_sweeps.h>
+#include <orthant/solvers/linear_algebra/anderson.h>
 
 #include <memory>
 
@@ -39,6 +41,7 @@ class ConePgs final : public ConeSolver {
   double sweep(Vector& z, double omega, bool backward);
   void begin(const Vector& z);
   void rest(const Vector& z);
+  void mix(Vector& z);
   void watch(const Vector& z, int iterations);
   bool takes_operators() const override { return true; }
   void release() override;
@@ -49,9 +52,11 @@ class ConePgs final : public ConeSolver {
   std::unique_ptr<ThreadTeam> team_;
   // Accelerated: z and the state of an operator before the last pair, and where that began.
   Vector before_, ahead_, state_before_, state_ahead_;
-  double momentum_ = 1;  // θ
-  bool plain_ = false;   // pairs without momentum
-  double least_ = kInf;  // residual since begun_, an iteration
+  double momentum_ = 1;                                            // θ
+  enum class Pairs { ahead, plain, mixed } pairs_ = Pairs::ahead;  // with momentum, without, combined
+  Anderson mixing_;
+  bool mixing_begun_ = false;  // before_ is where the last pair began
+  double least_ = kInf;        // residual since begun_, an iteration
   int begun_ = 0;
 };
 

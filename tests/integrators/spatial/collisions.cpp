@@ -294,6 +294,17 @@ TEST_CASE("spheres that fall in close layers: momentum of sweeps that circles is
   }
 }
 
+TEST_CASE("spheres of many sizes that fall in close layers: sweeps that circle without momentum are combined") {
+  const SpatialSystem system(pour({.count = 100, .apart = 1, .spread = 0.01}));
+  const auto scheme = make_integrator("moreau-jean", system);
+  const auto solver = make_solver("nncg:tolerance=1e-4");
+  State x = system.initial_state();
+  for (int k = 0; k < 30; ++k) {
+    CAPTURE(k);
+    REQUIRE(scheme->step(2e-3, *solver, x).status == Status::solved);
+  }
+}
+
 TEST_CASE("a capsule that falls on the corner of a cube stops on it, in every fixed-step scheme") {
   const double top = std::sqrt(3) * 0.2;  // [m] of the corner
   spatial::Scene s;

@@ -1,0 +1,22 @@
+#include <orthant/solvers/linear_algebra/anderson.h>
+
+#include <algorithm>
+
+namespace orthant {
+
+void Anderson::combine(Eigen::Ref<Eigen::VectorXd> x, const Eigen::Ref<const Eigen::VectorXd>& image) {
+  if (known_ == 0) {
+    steps_.resize(image.size(), depth_), changes_.resize(image.size(), depth_);
+  } else {
+    const Index column = (known_ - 1) % depth_, columns = std::min(known_, depth_);
+    steps_.col(column) = image - last_image_;
+    changes_.col(column) = residual_ - last_;
+    qr_.compute(changes_.leftCols(columns));
+    share_ = qr_.solve(residual_);
+    if (share_.allFinite()) x.noalias() -= steps_.leftCols(columns) * share_;
+  }
+  last_image_ = image, last_ = residual_;
+  ++known_;
+}
+
+}  // namespace orthant
