@@ -1,5 +1,6 @@
 #include <orthant/solvers/linear_algebra/anderson.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 
 namespace orthant {
@@ -11,8 +12,7 @@ void Anderson::combine(Eigen::Ref<Eigen::VectorXd> x, const Eigen::Ref<const Eig
     const Index column = (known_ - 1) % depth_, columns = std::min(known_, depth_);
     steps_.col(column) = image - last_image_;
     changes_.col(column) = residual_ - last_;
-    qr_.compute(changes_.leftCols(columns));
-    share_ = qr_.solve(residual_);
+    share_ = changes_.leftCols(columns).colPivHouseholderQr().solve(residual_);
     if (share_.allFinite()) x.noalias() -= steps_.leftCols(columns) * share_;
   }
   last_image_ = image, last_ = residual_;

@@ -9,8 +9,6 @@
 
 #include <orthant/core/support/reusable.h>
 
-#include <Eigen/QR>
-
 namespace orthant {
 
 class Anderson {
@@ -37,7 +35,6 @@ class Anderson {
   Index depth_, known_ = 0;                               // iterates seen
   Eigen::MatrixXd steps_, changes_;                       // of images and of residuals, one column an iterate, in turn
   Eigen::VectorXd last_image_, residual_, last_, share_;  // residual: scaled G(x) − x
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_;
 };
 
 }  // namespace orthant
