@@ -77,7 +77,7 @@ bool thin(const Look& p) {
 }
 bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool loose_contacts(const Look& p) {
-  return quadratic_friction(p) && p.loose && !p.warm && p.n > kBoldRows && p.n <= kFull;
+  return quadratic_friction(p) && p.loose && !p.warm && p.n > kTiny && p.n <= kFull;
 }
 bool relaxed_cones(const Look& p) {
   return smooth(p) && p.applied && p.symmetric && p.positive_diagonal && p.n > kBoldRows;
@@ -85,7 +85,10 @@ bool relaxed_cones(const Look& p) {
 bool shared_bodies(const Look& p) { return sweeps(p) && p.applied && !p.loose && !p.warm && p.n > 2 * kBoldRows; }
 bool uneven_contacts(const Look& p) { return loose_contacts(p) && p.uneven; }
 bool dense_friction(const Look& p) {
-  return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kBoldRows && p.n <= kFull;
+  return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kTiny && p.n <= kFull;
+}
+bool resumed_dense_friction(const Look& p) {
+  return quadratic_friction(p) && !p.applied && !p.sparse && p.warm && p.n > kTiny && p.n <= kFull;
 }
 bool small_dense_friction(const Look& p) { return dense_friction(p) && p.n <= kSmall; }
 bool few_dense_friction(const Look& p) { return dense_friction(p) && p.n <= 2 * kBoldRows; }
@@ -142,6 +145,9 @@ constexpr Step kSteps[] = {
     {"mprgp:max_iterations=4000,stop_early=true", "friction, symmetric", sweeps},
     // An arch of ten stones, 44 rows: 0.1 ms a step of stewart-trinkle, path 35 ms, Lemke's tableau 31 ms.
     {"mprgp:max_iterations=200", "friction, symmetric, from the start value", resumed},
+    // The tightened track of a vehicle, 206 and 406 rows: 90 and 450 ms a step, where path and the tableau in more
+    // digits take up to a hundred times as long.
+    {"prox:max_outer=300", "friction, symmetric, dense, from the start value", resumed_dense_friction},
     // Stewart and Trinkle's form: random contacts with 80 rows 0.11 to 0.15 ms, Lemke's tableau 0.31 to 0.42 ms; 318
     // rows of a stack: 3 ms and 19 ms.
     {kDrive, "unsymmetric, a zero on the diagonal", pyramids},
@@ -193,7 +199,7 @@ template <class... Kind> constexpr auto kinds(Kind... of) { return std::array{of
 // Steps that try what is quick where it helps: a failure says nothing of a proof.
 constexpr auto kAttempts =
     kinds(sweeps, resumed, followed, pyramids, swept, nonnegative, dense_friction, loose_contacts, uneven_contacts,
-          thin, small_dense_friction, few_dense_friction, shared_bodies, relaxed_cones);
+          thin, small_dense_friction, few_dense_friction, resumed_dense_friction, shared_bodies, relaxed_cones);
 
 /// As the methods for symmetric matrices take it: W M⁻¹ Wᵀ computed row by row is symmetric to rounding only.
 bool symmetric_pair(double a, double b, double diagonal_i, double diagonal_j) {

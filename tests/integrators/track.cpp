@@ -31,3 +31,18 @@ TEST_CASE("a tracked vehicle rolls one pitch a link, by two schemes") {
     CHECK(least_height > 0.9 * t.pin);
   }
 }
+
+TEST_CASE("of a tightened track, no step's problem takes auto a second round") {
+  const System system(track({.links = 60}));
+  const auto integrator = make_integrator("moreau-jean", system);
+  const auto solver = make_solver("auto");
+  IterationLog log;
+  solver->set_log(&log);
+  State x = system.initial_state();
+  for (int k = 0; k < 30; ++k) {
+    CAPTURE(k);
+    const StepReport report = integrator->step(1e-3, *solver, x);
+    REQUIRE(report.status == Status::solved);
+    for (const LogEntry& entry : log) CHECK_MESSAGE(entry.iteration == 0, entry.event);
+  }
+}
