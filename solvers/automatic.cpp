@@ -77,19 +77,16 @@ bool thin(const Look& p) {
 }
 bool unswept(const Look& p) { return swept(p) && p.n <= kSmall; }
 bool loose_contacts(const Look& p) {
-  return quadratic_friction(p) && p.loose && !p.warm && p.n > kTiny && p.n <= kFull;
+  return quadratic_friction(p) && p.loose && !p.warm && p.n > kBoldRows && p.n <= kFull;
 }
 bool relaxed_cones(const Look& p) {
   return smooth(p) && p.applied && p.symmetric && p.positive_diagonal && p.n > kBoldRows;
 }
 bool shared_bodies(const Look& p) { return sweeps(p) && p.applied && !p.loose && !p.warm && p.n > 2 * kBoldRows; }
 bool uneven_contacts(const Look& p) { return loose_contacts(p) && p.uneven; }
-bool dense_friction(const Look& p) {
-  return quadratic_friction(p) && !p.applied && !p.sparse && !p.warm && p.n > kTiny && p.n <= kFull;
-}
-bool resumed_dense_friction(const Look& p) {
-  return quadratic_friction(p) && !p.applied && !p.sparse && p.warm && p.n > kTiny && p.n <= kFull;
-}
+bool dense(const Look& p) { return quadratic_friction(p) && !p.applied && !p.sparse && p.n <= kFull; }
+bool dense_friction(const Look& p) { return dense(p) && !p.warm && p.n > kBoldRows; }
+bool resumed_dense_friction(const Look& p) { return dense(p) && p.warm && p.n > kTiny; }
 bool small_dense_friction(const Look& p) { return dense_friction(p) && p.n <= kSmall; }
 bool few_dense_friction(const Look& p) { return dense_friction(p) && p.n <= 2 * kBoldRows; }
 

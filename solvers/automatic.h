@@ -9,6 +9,7 @@
 //                          frictionless to 6 rows then dantzig
 //     friction             symmetric from 60 rows on: psor and mprgp, both abandoned if they make no progress; to 400
 //                          rows, with a start value or beyond 100 rows: path without restarts
+//                          from a start value, dense, 41 to 1500 rows: prox before path
 //                          without a start value, dense: newton-ac, to 200 rows lemke's tableau, prox, then psor; over
 //                          loose bodies: newton-ac after psor and mprgp
 //     pyramids             unsymmetric, no saddle point, a zero on the diagonal, 13 to 400 rows: 250 pivots of dantzig,
