@@ -83,13 +83,16 @@ def page_of(text):
 
 
 def header_page(header):
-    """A header's page: its opening comment, the declarations with links (cpp_api.py), the text of the header."""
+    """A header's page: its opening comment, the declarations with links (cpp_api.py), the text of the header. It stands
+    in its part's table, not in the navigation, which would be most of every page: hence "orphan"."""
     lines = header.read_text(encoding="utf-8").splitlines()
     count = next((i for i, line in enumerate(lines) if not line.startswith("//")), len(lines))
     name = header.relative_to(ROOT)
     about = [line[2:].removeprefix(" ") for line in lines[:count]]
     title = re.sub(r"^\S+\.h — ", "", about[0]).rstrip(".:") if about else str(name)
-    return (f"# {name.name}\n\n*{title}.*\n\n```text\n" + "\n".join(about) + "\n```\n\n"
+    part = FOLDERS[str(name.parent)]
+    return (f"---\norphan: true\n---\n\n# {name.name}\n\n*{title}.* Part of [{part}](index.md).\n\n"
+            "```text\n" + "\n".join(about) + "\n```\n\n"
             f"`#include <orthant/{name}>`\n\n## Declarations\n\n```{{cpp-header}} {name}\n```\n\n"
             f"## Text of the header\n\n```{{code-block}} c++\n" + "\n".join(lines[count:]).strip() + "\n```\n"), title
 
@@ -112,15 +115,13 @@ def write_reference(folder, work):
     for part, title in FOLDERS.items():
         target = folder / part.replace("/", "_")
         target.mkdir(parents=True)
-        rows, names = [], []
+        rows = []
         for header in sorted((ROOT / part).glob("*.h")):
             text, about = header_page(header)
             (target / f"{header.stem}.md").write_text(text, encoding="utf-8")
-            names.append(header.stem)
             rows.append(f"| [{header.name}]({header.stem}.md) | {about.replace('|', chr(92) + '|')} |")
-        listed = "\n".join(names)
-        (target / "index.md").write_text(f"# {title}\n\n`{part}`\n\n| header | |\n|---|---|\n" + "\n".join(rows) +
-                                         f"\n\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n", encoding="utf-8")
+        (target / "index.md").write_text(f"# {title}\n\n`{part}`\n\n| header | |\n|---|---|\n" + "\n".join(rows) + "\n",
+                                         encoding="utf-8")
         index.append(f"- [{title}]({target.name}/index.md): `{part}`")
     index += ["", "```{toctree}", ":hidden:", "", "names"] + [f"{part.replace('/', '_')}/index"
                                                               for part in FOLDERS] + ["```", ""]

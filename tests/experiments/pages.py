@@ -43,14 +43,15 @@ const luminance = c => {
   const [r, g, b] = c.map(x => x / 255).map(x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
   return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 };
+const backs = new Map();
 const behind = element => {  // the color on which the element's text stands
-  const layers = [];
-  for (let e = element; e; e = e.parentElement) {
-    const color = parts(getComputedStyle(e).backgroundColor);
-    if (color.length && (color[3] ?? 1) > 0) layers.push(color);
-    if (color.length && (color[3] ?? 1) === 1) break;
+  if (!element) return [255, 255, 255];
+  if (!backs.has(element)) {
+    const color = parts(getComputedStyle(element).backgroundColor), seen = color.length > 0 && (color[3] ?? 1) > 0;
+    const below = seen && (color[3] ?? 1) === 1 ? color : behind(element.parentElement);
+    backs.set(element, seen ? over(color, below) : below);
   }
-  return layers.reverse().reduce((below, color) => over(color, below), [255, 255, 255]);
+  return backs.get(element);
 };
 const dark = matchMedia("(prefers-color-scheme: dark)").matches;
 if (contrast) {
@@ -125,7 +126,8 @@ def look_at(page, file):
     for width, scheme, contrast in ((WIDE, "light", True), (NARROW, "light", False), (WIDE, "dark", True)):
         screen(page, width, scheme)
         page.execute_script("for (const d of document.querySelectorAll('details')) d.open = true;"
-                            "for (const e of document.querySelectorAll('*')) e.style.transition = 'none';"
+                            "if (!document.getElementById('still')) document.head.insertAdjacentHTML('beforeend',"
+                            "    '<style id=still>*, ::before, ::after {transition: none !important}</style>');"
                             "for (const e of document.images) e.loading = 'eager'")
         found, count = page.execute_script(LOOK, contrast, width)
         texts = max(texts, count)
