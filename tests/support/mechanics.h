@@ -107,10 +107,11 @@ inline SaddleSolution solve(const BasicSystem& basic, const VectorXd& f, const V
 }
 
 /// Accelerations of the mechanism without contact, G a = −Ġ v.
-inline SaddleSolution accelerations(const System& system, const VectorXd& q, const VectorXd& v) {
+inline SaddleSolution accelerations(const System& system, const VectorXd& q, const VectorXd& v,
+                                    double stiffness_weight = 0) {
   const Terms terms = all_terms(system, q, v);
   BasicSystem basic(system);
-  if (!basic.factorize(system, terms)) return {};
+  if (!basic.factorize(system, terms, stiffness_weight)) return {};
   return solve(basic, terms.f, -terms.joint_bias);
 }
 

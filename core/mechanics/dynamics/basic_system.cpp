@@ -11,12 +11,13 @@
 namespace orthant {
 namespace {
 
-constexpr int kDenseRows = 32;        // above, sparse KLU is faster than dense Cholesky
-constexpr double kMostGrowth = 1e-4;  // reciprocal: of entries over those of the matrix
-constexpr double kAsChosen = 0.1;     // of that growth where the pivots were chosen
-constexpr double kMostEver = 1e-9;    // in any case
-constexpr double kDependent = 1e-13;  // of a row's S_ii: what is left of it after the rows before it were taken out
-constexpr double kDoubtful = 1e-9;    // likewise: rounding of S makes that, ε times the ratio of the masses
+constexpr int kDenseRows = 32;         // above, a sparse S is faster than a dense one
+constexpr double kMostGrowth = 1e-4;   // reciprocal: of entries over those of the matrix
+constexpr double kAsChosen = 0.1;      // of that growth where the pivots were chosen
+constexpr double kMostEver = 1e-9;     // in any case
+constexpr double kDependent = 1e-13;   // of a row's S_ii: what is left of it after the rows before it were taken out
+constexpr double kDoubtful = 1e-9;     // likewise: rounding of S makes that, ε times the ratio of the masses
+constexpr int kMostDecomposed = 1000;  // rows: a decomposition of more takes minutes and gigabytes
 
 template <class Space> const auto& side(const RowOf<Space>& row, int which) { return which == 0 ? row.ja : row.jb; }
 template <class Space> int body(const RowOf<Space>& row, int which) { return which == 0 ? row.a : row.b; }
@@ -141,7 +142,9 @@ template <class Space> struct BasicSystemOf<Space>::Sparse {
     klu_free_numeric(&numeric, &common);
     numeric = klu_factor(start.data(), index.data(), value.data(), symbolic, &common);
     growth_of_choice = numeric != nullptr ? growth() : 0;
-    if (numeric != nullptr && well_conditioned() && (finds_known_solution() || independence(inverse_mass) > kDoubtful))
+    const auto rows = n - static_cast<int>(inverse_mass.size());
+    if (numeric != nullptr && well_conditioned() &&
+        (finds_known_solution() || independence(inverse_mass) > kDoubtful || (rows > kMostDecomposed && keeps_rates())))
       return true;
     klu_free_numeric(&numeric, &common);  // so that the next matrix is looked at as closely
     return false;
@@ -159,6 +162,24 @@ template <class Space> struct BasicSystemOf<Space>::Sparse {
     for (int j = 0; j < n; ++j)
       if (!(std::abs(rhs[static_cast<std::size_t>(j)] - known(j)) < 1e-6)) return false;
     return true;
+  }
+  /// Pushed about, no joint of the solution moves. So it is also where rows depend on each other but for rounding: then
+  /// the motion is right, and the forces are some of those that belong to it.
+  bool keeps_rates() {
+    const auto dof = mass_place.size();
+    for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = i < dof ? 1 + 0.25 * static_cast<double>(i * 7 % 5) : 0;
+    klu_solve(symbolic, numeric, n, 1, rhs.data(), &common);
+    double most = 0, missing = 0;
+    std::vector<double> rate(rhs.size() - dof), sum(rhs.size() - dof);  // of each row; of its products without signs
+    for (std::size_t j = 0; j < dof; ++j)
+      for (auto k = static_cast<std::size_t>(start[j]); k < static_cast<std::size_t>(start[j + 1]); ++k)
+        if (const auto i = static_cast<std::size_t>(index[k]); i >= dof) {
+          rate[i - dof] += value[k] * rhs[j];
+          sum[i - dof] += std::abs(value[k] * rhs[j]);
+        }
+    for (std::size_t i = 0; i < rate.size(); ++i)
+      most = std::max(most, sum[i]), missing = std::max(missing, std::abs(rate[i]));
+    return missing < 1e-6 * most;
   }
   /// Pivots chosen for another matrix may be small in this one, next to a singular pose above all, and entries grow:
   /// more than in the matrix that they were chosen for, where large trees and nets let them grow as well.
@@ -259,7 +280,9 @@ template <class Space> BasicSystemOf<Space>::BasicSystemOf(const System& system,
       lambda_(rows_) {
   if (rows_ == 0 && system.scene().springs.empty()) return;
   const Terms terms = topology(system);
-  if (rows_ > kDenseRows || !system.scene().springs.empty()) sparse_ = std::make_unique<Sparse>(system, terms, rows_);
+  if (rows_ > kDenseRows) sparse_schur_ = SparseSchurOf<Space>::of(terms.G, system.bodies());
+  if (!system.scene().springs.empty() || (rows_ > kDenseRows && !sparse_schur_))
+    sparse_ = std::make_unique<Sparse>(system, terms, rows_);
   if (rows_ > 0 && rows_ <= kDenseRows) schur_.emplace(inverse_mass_, terms.G);
 }
 
@@ -278,8 +301,13 @@ template <class Space> bool BasicSystemOf<Space>::factorize(const System& system
   }
   const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
   const bool springs = !terms.springs.empty() && (stiffness_weight != 0 || damping_weight != 0);
-  method_ = rows_ > kDenseRows || springs ? Method::sparse : rows_ > 0 ? Method::dense : Method::diagonal;
-  if (method_ == Method::sparse) {
+  method_ = rows_ > kDenseRows || springs ? Method::saddle : rows_ > 0 ? Method::dense : Method::diagonal;
+  if (sparse_schur_ && !springs && sparse_schur_->factorize(G, inverse_mass_, kDoubtful)) {
+    method_ = Method::cholesky;
+    return true;
+  }
+  if (method_ == Method::saddle) {
+    if (!sparse_) sparse_ = std::make_unique<Sparse>(system, terms, rows_);
     if (sparse_->factorize(system, terms, stiffness_weight, damping_weight, added, inverse_mass_)) return true;
     if (!sparse_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
@@ -299,6 +327,7 @@ template <class Space> int BasicSystemOf<Space>::rank() const {
 template <class Space> double BasicSystemOf<Space>::independence() const {
   if (rows_ == 0 || rank() == 0) return 1;
   if (redundant_) return least_norm_->independence();
+  if (method_ == Method::cholesky) return sparse_schur_->independence();
   return method_ == Method::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
 }
 
@@ -310,7 +339,8 @@ template <class Space>
 void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
   if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
   if (method_ == Method::dense) return schur_->solve(f, c, x, lambda);
-  if (method_ == Method::sparse) {
+  if (method_ == Method::cholesky) return sparse_schur_->solve(f, c, x, lambda);
+  if (method_ == Method::saddle) {
     Eigen::Map<Eigen::VectorXd> rhs(sparse_->rhs.data(), sparse_->n);
     rhs.head(dof_) = Eigen::Map<const Eigen::VectorXd>(f, dof_);
     if (rows_ > 0) rhs.tail(rows_) = Eigen::Map<const Eigen::VectorXd>(c, rows_);

@@ -1,18 +1,21 @@
 // core/mechanics/dynamics/basic_system.h — saddle-point system of the mechanism without contact: factorized once.
 //
 //   M̂ x − Gᵀ λ = f,   G x = c,      M̂ = M + Σ_springs row ⊗ row (k_weight k + c_weight c)
-// This is the DAE's matrix without contact and friction; contacts enter through its inverse. Three ways, by the content
+// This is the DAE's matrix without contact and friction; contacts enter through its inverse. Four ways, by the content
 // of the scene:
-//   M̂ = M, no joints        x = M⁻¹ f
-//   M̂ = M, few joint rows   S = G M⁻¹ Gᵀ, dense (schur.h)
-//   anything else           the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
+//   M̂ = M, no joints         x = M⁻¹ f
+//   M̂ = M, few joint rows    S = G M⁻¹ Gᵀ, dense (schur.h)
+//   M̂ = M, many joint rows   S, sparse, by CHOLMOD (sparse_schur.h), where it is sparse and no row is nearly dependent
+//   anything else            the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
 // Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken
 // (copies of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S,
 // whose condition is the square. Rows that are independent only by drift below 3e-7 of their length count as redundant.
+// Of more than 1000 rows only those without a pivot count: doubtful ones go through if G x = c holds.
 // Source: Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10; Davis, KLU (2010).
 #pragma once
 
 #include <orthant/core/mechanics/dynamics/schur.h>
+#include <orthant/core/mechanics/dynamics/sparse_schur.h>
 #include <orthant/core/mechanics/dynamics/terms.h>
 
 #include <Eigen/Dense>
@@ -58,20 +61,21 @@ template <class Space> class BasicSystemOf {
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
   int rank() const;                              // of the joint rows, as the last factorization found it
   /// Independence of the most dependent of rank() joint rows in the last factorization: the square of its remainder
-  /// over its S_ii, in (0, 1]. It is near 0 next to a singular pose, and 1 where there are no joints. For the sparse
+  /// over its S_ii, in (0, 1]. It is near 0 next to a singular pose, and 1 where there are no joints. For the saddle
   /// matrix it is computed on request, at the cost of another factorization.
   double independence() const;
 
  private:
   struct Sparse;     // KLU and the pattern
   struct LeastNorm;  // for redundant joints
-  enum class Method { diagonal, dense, sparse };
+  enum class Method { diagonal, dense, cholesky, saddle };
 
   int dof_ = 0, rows_ = 0;
   bool redundant_ = false, added_ = false;
   Method method_ = Method::diagonal;  // of the last factorization
   Eigen::VectorXd inverse_mass_;
   std::optional<SchurOf<Space>> schur_;
+  std::unique_ptr<SparseSchurOf<Space>> sparse_schur_;
   std::unique_ptr<LeastNorm> least_norm_;
   std::unique_ptr<Sparse> sparse_;
   Eigen::VectorXd zero_;  // as many as there are joint rows, or coordinates

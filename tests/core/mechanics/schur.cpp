@@ -1,6 +1,7 @@
 // Joint rows eliminated: both equations hold, at any mass, and nothing stays of what was not finite.
 #include <orthant/core/lcp/problems/families.h>
 #include <orthant/core/mechanics/dynamics/schur.h>
+#include <orthant/core/mechanics/dynamics/sparse_schur.h>
 
 #include <doctest/doctest.h>
 
@@ -110,4 +111,48 @@ TEST_CASE("joint rows eliminated: after forces and rows that are not finite the 
     schur.solve(f.data(), c.data(), after.data(), lambda.data());
     CHECK(after == before);
   }
+}
+
+TEST_CASE("many joint rows eliminated: both equations hold at any mass, with results in place of what was given") {
+  Random random(4);
+  for (const double unit : {1e-150, 1e-6, 1.0, 1e6, 1e150})
+    for (const double near : {0.0, 1e-3})
+      for (const int n : {1, 2, 40, 400}) {
+        CAPTURE(unit);
+        CAPTURE(near);
+        CAPTURE(n);
+        std::vector<Row> rows = random_rows(n, near, random);
+        const Eigen::Index dof = 3 * (n + 1);
+        const auto schur = SparseSchurOf<Planar>::of(rows, n + 1);
+        REQUIRE(schur != nullptr);
+        for (int again = 0; again < 2; ++again) {
+          const Eigen::VectorXd inverse_mass = (1 + normal_vector(dof, random).array().square()) / unit;
+          const Eigen::VectorXd f = unit * normal_vector(dof, random), c = normal_vector(n, random);
+          REQUIRE(schur->factorize(rows, inverse_mass, 1e-14));
+          CHECK(schur->independence() > 1e-10);
+          CHECK(schur->independence() <= 1);
+          Eigen::VectorXd x = f, lambda = c;
+          schur->solve(x.data(), lambda.data(), x.data(), lambda.data());
+          CHECK(residual(rows, inverse_mass, f, c, x, lambda) < 1e-9 * (1 + x.lpNorm<Eigen::Infinity>()));
+          for (Row& row : rows) row.ja[0] *= 1.5;
+        }
+      }
+}
+
+TEST_CASE("many joint rows eliminated: equal rows, numbers that are not finite and crowded bodies are refused") {
+  Random random(5);
+  const std::vector<Row> good = random_rows(50, 0, random);
+  const Eigen::VectorXd inverse_mass = Eigen::VectorXd::Ones(3 * 51);
+  const auto schur = SparseSchurOf<Planar>::of(good, 51);
+  REQUIRE(schur != nullptr);
+  std::vector<Row> rows = good;
+  rows[1] = rows[0];
+  CHECK_FALSE(schur->factorize(rows, inverse_mass, 1e-12));
+  rows[1].ja[1] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(schur->factorize(rows, inverse_mass, 1e-12));
+  CHECK(schur->factorize(good, inverse_mass, 1e-12));
+  rows.insert(rows.end(), good.begin(), good.end());
+  CHECK(SparseSchurOf<Planar>::of(rows, 51) != nullptr);
+  for (Row& row : rows) row.a = 0;  // S is full
+  CHECK(SparseSchurOf<Planar>::of(rows, 51) == nullptr);
 }
