@@ -63,16 +63,15 @@ bool CholmodFactor::solve(std::span<double> x) {
   return true;
 }
 
-double CholmodFactor::least_pivot_share(std::span<const double> diagonal) const {
+void CholmodFactor::pivot_shares(std::span<const double> diagonal, std::span<double> shares) const {
   const auto* start = static_cast<const int*>(factor_->p);
   const auto* order = static_cast<const int*>(factor_->Perm);
   const auto* value = static_cast<const double*>(factor_->x);
-  double least = 1;
   for (std::size_t i = 0; i < diagonal.size(); ++i) {
     const double root = value[start[i]];
-    least = std::min(least, root * root / diagonal[static_cast<std::size_t>(order[i])]);
+    const auto row = static_cast<std::size_t>(order[i]);
+    shares[row] = root * root / diagonal[row];
   }
-  return least;
 }
 
 }  // namespace orthant

@@ -36,9 +36,9 @@ class CholmodFactor {
   /// x ← A⁻¹ x after a factorize() that was true. False when there is no memory left.
   bool solve(std::span<double> x);
 
-  /// After a factorize() that was true: the least pivot L_ii² over its A_ii, `diagonal`, that is what is left of a row
-  /// after those before it were taken out.
-  double least_pivot_share(std::span<const double> diagonal) const;
+  /// After a factorize() that was true: each pivot L_ii² over its A_ii, `diagonal`, that is what is left of a row after
+  /// those before it were taken out.
+  void pivot_shares(std::span<const double> diagonal, std::span<double> shares) const;
 
  private:
   cholmod_common common_{};

@@ -332,7 +332,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
   command->add_flag("--resume", arguments->resume,
-                    "continue from the checkpoint, if it exists, with the bits of an unbroken run");
+                    "continue from the checkpoint, if it exists, with the bits of the run that wrote it");
   command
       ->add_option("--rounded", arguments->rounded,
                    "a step with a problem that is rounded only: take (and count it), or stop before it")

@@ -17,7 +17,8 @@ constexpr double kAsChosen = 0.1;      // of that growth where the pivots were c
 constexpr double kMostEver = 1e-9;     // in any case
 constexpr double kDependent = 1e-13;   // of a row's S_ii: what is left of it after the rows before it were taken out
 constexpr double kDoubtful = 1e-9;     // likewise: rounding of S makes that, ε times the ratio of the masses
-constexpr int kMostDecomposed = 1000;  // rows: a decomposition of more takes minutes and gigabytes
+constexpr int kManyRows = 256;         // above, a decomposition takes a tenth of a second and more
+constexpr int kMostDecomposed = 1000;  // above, minutes and gigabytes
 
 template <class Space> const auto& side(const RowOf<Space>& row, int which) { return which == 0 ? row.ja : row.jb; }
 template <class Space> int body(const RowOf<Space>& row, int which) { return which == 0 ? row.a : row.b; }
@@ -301,32 +302,44 @@ template <class Space> bool BasicSystemOf<Space>::factorize(const System& system
   }
   const std::span<const Row> G(terms.G.data(), static_cast<std::size_t>(rows_));
   const bool springs = !terms.springs.empty() && (stiffness_weight != 0 || damping_weight != 0);
-  method_ = rows_ > kDenseRows || springs ? Method::saddle : rows_ > 0 ? Method::dense : Method::diagonal;
-  if (sparse_schur_ && !springs && sparse_schur_->factorize(G, inverse_mass_, kDoubtful)) {
-    method_ = Method::cholesky;
+  if (rows_ == 0 && !springs) {
+    method_ = Method::diagonal;
     return true;
   }
-  if (method_ == Method::saddle) {
+  if (sparse_schur_ && !springs) {
+    method_ = Method::cholesky;
+    if (sparse_schur_->factorize(G, inverse_mass_, kDoubtful)) return true;
+    if (rows_ > kManyRows) {
+      if (!sparse_schur_->factorize_dependent()) return false;
+      redundant_ = sparse_schur_->rank() < rows_;
+      return true;
+    }
+  }
+  if (rows_ > kDenseRows || springs) {
+    method_ = Method::saddle;
     if (!sparse_) sparse_ = std::make_unique<Sparse>(system, terms, rows_);
     if (sparse_->factorize(system, terms, stiffness_weight, damping_weight, added, inverse_mass_)) return true;
     if (!sparse_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(sparse_->mass(dof_), G);
   } else {
-    if (method_ == Method::diagonal || schur_->factorize(G, kDoubtful)) return true;
+    method_ = Method::dense;
+    if (schur_->factorize(G, kDoubtful)) return true;
     if (!schur_->finite()) return false;
     least_norm_ = std::make_unique<LeastNorm>(inverse_mass_, G);
   }
+  method_ = Method::least_norm;
   redundant_ = true;
   return true;
 }
 
 template <class Space> int BasicSystemOf<Space>::rank() const {
-  return redundant_ ? static_cast<int>(least_norm_->A.rank()) : rows_;
+  if (method_ == Method::least_norm) return static_cast<int>(least_norm_->A.rank());
+  return method_ == Method::cholesky ? sparse_schur_->rank() : rows_;
 }
 
 template <class Space> double BasicSystemOf<Space>::independence() const {
   if (rows_ == 0 || rank() == 0) return 1;
-  if (redundant_) return least_norm_->independence();
+  if (method_ == Method::least_norm) return least_norm_->independence();
   if (method_ == Method::cholesky) return sparse_schur_->independence();
   return method_ == Method::dense ? schur_->independence() : sparse_->independence(inverse_mass_);
 }
@@ -337,7 +350,7 @@ template <class Space> void BasicSystemOf<Space>::forget() {
 
 template <class Space>
 void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) const {
-  if (redundant_) return least_norm_->solve(dof_, f, c, x, lambda);
+  if (method_ == Method::least_norm) return least_norm_->solve(dof_, f, c, x, lambda);
   if (method_ == Method::dense) return schur_->solve(f, c, x, lambda);
   if (method_ == Method::cholesky) return sparse_schur_->solve(f, c, x, lambda);
   if (method_ == Method::saddle) {
@@ -354,19 +367,19 @@ void BasicSystemOf<Space>::solve(const double* f, const double* c, double* x, do
 
 template <class Space> void BasicSystemOf<Space>::solve_change(std::span<const Row> G, const double* f, const double* v,
                                                                const double* c, double* x, double* lambda) const {
-  if (method_ == Method::dense && !redundant_) return schur_->solve_change(f, v, c, x, lambda);
+  if (method_ == Method::dense) return schur_->solve_change(f, v, c, x, lambda);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rows_); ++i) lambda[i] = c[i] - apply(G[i], v);
   solve(f, lambda, x, lambda);
 }
 
 template <class Space> void BasicSystemOf<Space>::add_rates(const double* c, double* x) const {
-  if (method_ == Method::dense && !redundant_) return schur_->add_rates(c, x);
+  if (method_ == Method::dense) return schur_->add_rates(c, x);
   solve(zero_.data(), c, force_.data(), lambda_.data());
   Eigen::Map<Eigen::VectorXd>(x, dof_) += force_;
 }
 
 template <class Space> void BasicSystemOf<Space>::solve_row(const Row& row, double* x) const {
-  if (method_ == Method::dense && !redundant_) return schur_->solve_row(row, x);
+  if (method_ == Method::dense) return schur_->solve_row(row, x);
   // A row touches two bodies at the most, but x is full as soon as joints carry it on.
   force_.setZero();
   apply_transposed(row, 1.0, force_.data());

@@ -5,12 +5,13 @@
 // of the scene:
 //   M̂ = M, no joints         x = M⁻¹ f
 //   M̂ = M, few joint rows    S = G M⁻¹ Gᵀ, dense (schur.h)
-//   M̂ = M, many joint rows   S, sparse, by CHOLMOD (sparse_schur.h), where it is sparse and no row is nearly dependent
+//   M̂ = M, many joint rows   S, sparse, by CHOLMOD (sparse_schur.h), where it is sparse
 //   anything else            the sparse saddle matrix by KLU (SuiteSparse), symbolic analysis once a topology
 // Redundant joints make S singular. x is unique all the same, and of the many λ that of least Σ S_ii λ_i² is taken
 // (copies of a joint share its force; no unit matters), by orthogonal decomposition of L⁻¹ Gᵀ, M̂ = L Lᵀ: not of S,
 // whose condition is the square. Rows that are independent only by drift below 3e-7 of their length count as redundant.
-// Of more than 1000 rows only those without a pivot count: doubtful ones go through if G x = c holds.
+// A sparse S of more than 256 rows is solved by conjugate residuals instead (sparse_schur.h). A saddle matrix with
+// springs and more than 1000 joint rows is decomposed only where its factors do not keep G x = c.
 // Source: Brogliato & Acary, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10; Davis, KLU (2010).
 #pragma once
 
@@ -59,7 +60,8 @@ template <class Space> class BasicSystemOf {
   /// Of M with what was added in the last factorization.
   const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }
   bool redundant() const { return redundant_; }  // the last factorization met dependent joint rows
-  int rank() const;                              // of the joint rows, as the last factorization found it
+  /// Of the joint rows, as the last factorization found it; an estimate where a sparse S of many rows is singular.
+  int rank() const;
   /// Independence of the most dependent of rank() joint rows in the last factorization: the square of its remainder
   /// over its S_ii, in (0, 1]. It is near 0 next to a singular pose, and 1 where there are no joints. For the saddle
   /// matrix it is computed on request, at the cost of another factorization.
@@ -68,7 +70,7 @@ template <class Space> class BasicSystemOf {
  private:
   struct Sparse;     // KLU and the pattern
   struct LeastNorm;  // for redundant joints
-  enum class Method { diagonal, dense, cholesky, saddle };
+  enum class Method { diagonal, dense, cholesky, saddle, least_norm };
 
   int dof_ = 0, rows_ = 0;
   bool redundant_ = false, added_ = false;

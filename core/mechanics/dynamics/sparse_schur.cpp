@@ -7,7 +7,25 @@
 namespace orthant {
 namespace {
 
-constexpr std::size_t kMostEntries = 32;  // of S a row, on average
+constexpr std::size_t kMostEntries = 32;   // of S a row, on average
+constexpr double kShift = 1e-8;            // of S_ii: most of the digits are left to the rows, enough to the shift
+constexpr double kExplained = 1e-6;        // pivots of dependent rows: the shift times what rows they depend on
+constexpr double kRounding = 4e-16;        // of the largest term of c − G x
+constexpr double kNothing = 30 * 2.2e-16;  // of a combination of rows, by the length of its coefficients: dependent
+constexpr double kGood = 1e-9;             // of the largest term: a solution, though rounds no longer improve it
+constexpr int kRounds = 500, kPatience = 60;
+
+double weighted_length(const std::vector<double>& v, const std::vector<double>& weight) {
+  double sum = 0;
+  for (std::size_t i = 0; i < v.size(); ++i) sum += weight[i] * v[i] * v[i];
+  return std::sqrt(sum);
+}
+
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
 
 }  // namespace
 
@@ -37,6 +55,7 @@ template <class Space> SparseSchurOf<Space>::SparseSchurOf(std::vector<int> star
       index_(std::move(index)),
       value_(index_.size()),
       diagonal_(start_.size() - 1),
+      share_(start_.size() - 1),
       wanted_(start_.size() - 1),
       missing_(start_.size() - 1) {}
 
@@ -50,24 +69,127 @@ bool SparseSchurOf<Space>::factorize(std::span<const Row> G, const Eigen::Vector
       value_[k] = coupling(G_[static_cast<std::size_t>(index_[k])], G_[j], inverse_mass_);
     diagonal_[j] = value_[end - 1];
   }
-  independence_ = factor_.factorize(columns(), 0) ? factor_.least_pivot_share(diagonal_) : 0;
+  dependent_ = false;
+  if (!factor_.factorize(columns(), 0)) return false;
+  factor_.pivot_shares(diagonal_, share_);
+  independence_ = std::min(1.0, *std::min_element(share_.begin(), share_.end()));
+  rank_ = static_cast<int>(G_.size());
   return independence_ > dependent;
+}
+
+template <class Space> bool SparseSchurOf<Space>::factorize_dependent() {
+  rank_ = 0, independence_ = 1;
+  for (std::size_t j = 0; j < G_.size(); ++j) {
+    if (diagonal_[j] == 0) diagonal_[j] = 1, --rank_;  // a row without entries
+    value_[static_cast<std::size_t>(start_[j + 1]) - 1] = (1 + kShift) * diagonal_[j];
+  }
+  if (!factor_.factorize(columns(), 0)) return false;
+  factor_.pivot_shares(diagonal_, share_);
+  dependent_ = true;
+  for (const double share : share_)
+    if (share > kExplained) ++rank_, independence_ = std::min(independence_, share);
+  for (auto* rows : {&residual_, &direction_, &image_, &answer_}) rows->resize(G_.size());
+  return true;
 }
 
 template <class Space> void SparseSchurOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) {
   x_ = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, inverse_mass_.size()));
   std::copy_n(c, wanted_.size(), wanted_.begin());  // c may be lambda
   std::fill_n(lambda, wanted_.size(), 0.0);
-  // The second round takes out what rounding has left of c − G x, above all of long chains.
+  if (!(dependent_ ? conjugate_residuals(lambda) : two_rounds(lambda))) {
+    x_.setConstant(std::nan(""));
+    std::fill_n(lambda, wanted_.size(), std::nan(""));
+  }
+  std::copy_n(x_.data(), x_.size(), x);
+}
+
+/// The second one takes out what rounding has left of c − G x, above all of long chains.
+template <class Space> bool SparseSchurOf<Space>::two_rounds(double* lambda) {
   for (int round = 0; round < 2; ++round) {
-    for (std::size_t i = 0; i < G_.size(); ++i) missing_[i] = wanted_[i] - apply(G_[i], x_.data());
-    if (!factor_.solve(missing_)) std::fill(missing_.begin(), missing_.end(), std::nan(""));  // no memory: no result
+    set_missing();
+    if (!factor_.solve(missing_)) return false;
     for (std::size_t i = 0; i < G_.size(); ++i) {
       lambda[i] += missing_[i];
       apply_impulse(G_[i], missing_[i], inverse_mass_, x_);
     }
   }
-  std::copy_n(x_.data(), x_.size(), x);
+  return true;
+}
+
+template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* lambda) {
+  set_missing();
+  double scale = 0;  // of c and of G M⁻¹ f, in the rows' own lengths
+  for (std::size_t i = 0; i < G_.size(); ++i) {
+    double most = std::abs(wanted_[i]);
+    each_entry(G_[i], [&](Eigen::Index place, double entry) { most = std::max(most, std::abs(entry * x_[place])); });
+    scale = std::max(scale, most / std::sqrt(diagonal_[i]));
+  }
+  const auto largest_missing = [&] {
+    double most = 0;
+    for (std::size_t i = 0; i < G_.size(); ++i) most = std::max(most, std::abs(missing_[i]) / std::sqrt(diagonal_[i]));
+    return most;
+  };
+  const auto precondition = [&](const std::vector<double>& of, std::vector<double>& to) {
+    std::copy(of.begin(), of.end(), to.begin());
+    return factor_.solve(to);
+  };
+  const auto square = [&](const Eigen::VectorXd& force) { return force.dot(inverse_mass_.cwiseProduct(force)); };
+
+  if (!std::all_of(missing_.begin(), missing_.end(), [](double r) { return std::isfinite(r); })) return false;
+  if (largest_missing() <= kRounding * scale) return true;
+  if (!precondition(missing_, residual_)) return false;
+  direction_ = residual_;
+  set_force(residual_, residual_force_);
+  direction_force_ = residual_force_;
+  double length = square(residual_force_), least = length;
+  const double rounding = kRounding * scale * std::sqrt(static_cast<double>(G_.size()));
+  for (int round = 0, improved = 0; round < kRounds && round - improved < kPatience; ++round) {
+    // What is left moves nothing: c contradicts itself by that.
+    const double nothing = std::max(kNothing * weighted_length(residual_, diagonal_), rounding);
+    if (length <= nothing * nothing) return forget_contradiction(lambda);
+    velocity_ = inverse_mass_.cwiseProduct(direction_force_);
+    for (std::size_t i = 0; i < G_.size(); ++i) image_[i] = apply(G_[i], velocity_.data());
+    if (!precondition(image_, answer_)) return false;
+    const double along = length / product(image_, answer_);
+    for (std::size_t i = 0; i < G_.size(); ++i) lambda[i] += along * direction_[i];
+    x_ += along * velocity_;
+    set_missing();
+    if (largest_missing() <= kRounding * scale) return true;
+
+    if (!precondition(missing_, residual_)) return false;
+    set_force(residual_, residual_force_);
+    const double next = square(residual_force_), back = next / length;
+    length = next;
+    if (!std::isfinite(length)) return false;
+    if (length < 0.25 * least) least = length, improved = round;
+    for (std::size_t i = 0; i < G_.size(); ++i) direction_[i] = residual_[i] + back * direction_[i];
+    direction_force_ = residual_force_ + back * direction_force_;
+  }
+  return largest_missing() <= kGood * scale && forget_contradiction(lambda);
+}
+
+/// The contradiction of c has grown into λ, along what the shift alone leaves of the residual: that part moves nothing.
+template <class Space> bool SparseSchurOf<Space>::forget_contradiction(double* lambda) {
+  for (std::size_t i = 0; i < G_.size(); ++i) answer_[i] = kShift * diagonal_[i] * residual_[i];
+  if (!factor_.solve(answer_)) return false;
+  const double length = weighted_length(answer_, diagonal_);
+  if (!(length > 0.5 * weighted_length(residual_, diagonal_))) return true;
+  double part = 0;
+  for (std::size_t i = 0; i < G_.size(); ++i) part += diagonal_[i] * lambda[i] * (answer_[i] / length);
+  for (std::size_t i = 0; i < G_.size(); ++i) lambda[i] -= part * (answer_[i] / length);
+  return true;
+}
+
+/// c − G x.
+template <class Space> void SparseSchurOf<Space>::set_missing() {
+  for (std::size_t i = 0; i < G_.size(); ++i) missing_[i] = wanted_[i] - apply(G_[i], x_.data());
+}
+
+/// Gᵀ times `rows`.
+template <class Space>
+void SparseSchurOf<Space>::set_force(const std::vector<double>& rows, Eigen::VectorXd& force) const {
+  force.setZero(x_.size());
+  for (std::size_t i = 0; i < G_.size(); ++i) apply_transposed(G_[i], rows[i], force.data());
 }
 
 template class SparseSchurOf<Planar>;

@@ -50,8 +50,15 @@ template <class AnyScene> class ElementCheck {
   void within(const std::string& field, double x, double low, double high) const {
     require(x >= low && x <= high, field, x, "in [" + text(low) + ", " + text(high) + "]");
   }
-  void not_negative(const std::string& field, double x) const { finite(field, x), require(x >= 0, field, x, ">= 0"); }
-  void positive(const std::string& field, double x) const { finite(field, x), require(x > 0, field, x, "> 0"); }
+  void not_negative(const std::string& field, double x) const {
+    require(std::isfinite(x), field, x, "finite"), require(x >= 0, field, x, ">= 0"), not_too_large(field, x);
+  }
+  void positive(const std::string& field, double x) const {
+    require(std::isfinite(x), field, x, "finite"), require(x > 0, field, x, "> 0"), not_too_large(field, x);
+  }
+  void not_too_large(const std::string& field, double x) const {
+    require(x <= kLargest, field, x, "<= " + text(kLargest));
+  }
   void friction(const std::string& field, double mu) const {
     require(!std::isfinite(mu) || mu <= kLargestMu, field, mu, "<= " + text(kLargestMu)), not_negative(field, mu);
   }

@@ -58,6 +58,7 @@ const Mistake kMistakes[] = {
     {[](Scene& s) { s.bodies[2].inertia = 0; }, "body \"ball\": inertia = 0: must be > 0"},
     {[](Scene& s) { s.bodies[2].position.y() = kHuge; }, "body \"ball\": position = (6, inf): must be finite"},
     {[](Scene& s) { s.bodies[2].angle = kNan; }, "body \"ball\": angle = nan: must be finite"},
+    {[](Scene& s) { s.bodies[2].mass = 1e300; }, "body \"ball\": mass = 1e+300: must be <= 1e+150"},
     {[](Scene& s) { s.bodies[2].angle = 1e300; }, "body \"ball\": angle = 1e+300: must be between -1e+150 and 1e+150"},
     {[](Scene& s) { s.bodies[2].position.x() = -1e151; },
      "body \"ball\": position = (-1e+151, 0): must be between -1e+150 and 1e+150"},

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 using namespace orthant;
 
@@ -148,11 +149,81 @@ TEST_CASE("many joint rows eliminated: equal rows, numbers that are not finite a
   std::vector<Row> rows = good;
   rows[1] = rows[0];
   CHECK_FALSE(schur->factorize(rows, inverse_mass, 1e-12));
+  CHECK(schur->factorize_dependent());
+  Eigen::VectorXd f = normal_vector(3 * 51, random), c = normal_vector(50, random);
+  c[1] = c[0];
+  Eigen::VectorXd x(3 * 51), lambda(50);
+  schur->solve(f.data(), c.data(), x.data(), lambda.data());
+  CHECK(residual(rows, inverse_mass, f, c, x, lambda) < 1e-10);
+  for (Eigen::VectorXd* given : {&f, &c}) {
+    const double kept = std::exchange((*given)[7], std::numeric_limits<double>::quiet_NaN());
+    schur->solve(f.data(), c.data(), x.data(), lambda.data());
+    CHECK(x.hasNaN());
+    (*given)[7] = kept;
+  }
   rows[1].ja[1] = std::numeric_limits<double>::quiet_NaN();
   CHECK_FALSE(schur->factorize(rows, inverse_mass, 1e-12));
+  CHECK_FALSE(schur->factorize_dependent());
   CHECK(schur->factorize(good, inverse_mass, 1e-12));
   rows.insert(rows.end(), good.begin(), good.end());
   CHECK(SparseSchurOf<Planar>::of(rows, 51) != nullptr);
   for (Row& row : rows) row.a = 0;  // S is full
   CHECK(SparseSchurOf<Planar>::of(rows, 51) == nullptr);
+}
+
+TEST_CASE("many joint rows eliminated: dependent ones share their forces by least squares, contradictions included") {
+  Random random(6);
+  for (const double unit : {1e-100, 1.0, 1e100})
+    for (const double contradiction : {0.0, 1e-12, 1e-6, 1.0})
+      for (const int n : {40, 200}) {
+        CAPTURE(unit);
+        CAPTURE(contradiction);
+        CAPTURE(n);
+        // Every third row a second and a third time, in other lengths; then one without entries.
+        std::vector<Row> rows = random_rows(n, 0, random);
+        Eigen::VectorXd c = normal_vector(n, random);
+        const auto add = [&](Eigen::Index of, double by) {
+          rows.push_back(scaled(rows[static_cast<std::size_t>(of)], by));
+          c.conservativeResize(c.size() + 1);
+          c[c.size() - 1] = by * c[of];
+        };
+        for (Eigen::Index i = 0; i < n; i += 3) add(i, 1), add(i, -3);
+        add(0, 0);
+        c += contradiction * normal_vector(c.size(), random);
+        const Eigen::Index m = c.size(), dof = 3 * (n + 1);
+        const auto schur = SparseSchurOf<Planar>::of(rows, n + 1);
+        REQUIRE(schur != nullptr);
+        const Eigen::VectorXd inverse_mass = (1 + normal_vector(dof, random).array().square()) / unit;
+        const Eigen::VectorXd f = unit * normal_vector(dof, random);
+        REQUIRE_FALSE(schur->factorize(rows, inverse_mass, 1e-9));
+        REQUIRE(schur->factorize_dependent());
+        CHECK(schur->rank() == n);
+
+        // In rows of length 1, A = D^-1/2 G M^-1/2: the least squares y of A y = D^-1/2 (c - G M^-1 f), the least of them.
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(m, dof);
+        Eigen::VectorXd length(m), missing(m);
+        const Eigen::VectorXd free = inverse_mass.cwiseProduct(f);
+        for (Eigen::Index i = 0; i < m; ++i) {
+          const Row& row = rows[static_cast<std::size_t>(i)];
+          each_entry(row,
+                     [&](Eigen::Index place, double entry) { A(i, place) += entry * std::sqrt(inverse_mass[place]); });
+          length[i] = A.row(i).norm() > 0 ? A.row(i).norm() : 1;
+          A.row(i) /= length[i];
+          missing[i] = (c[i] - apply(row, free.data())) / length[i];
+        }
+        const auto least_solution = [](const Eigen::MatrixXd& of, const Eigen::VectorXd& b) -> Eigen::VectorXd {
+          Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> whole;
+          whole.setThreshold(1e-7);
+          return whole.compute(of).solve(b);
+        };
+        const Eigen::VectorXd y = least_solution(A, missing);
+        const Eigen::VectorXd x_best = free + inverse_mass.cwiseSqrt().cwiseProduct(y);
+        const Eigen::VectorXd share = least_solution(A.transpose(), y).cwiseQuotient(length);
+
+        Eigen::VectorXd x = f, lambda = c;
+        schur->solve(x.data(), lambda.data(), x.data(), lambda.data());
+        CHECK((x - x_best).norm() < (1e-10 + 1e-7 * contradiction) * x_best.norm());
+        CHECK((lambda - share).cwiseProduct(length).norm() <
+              (1e-7 + contradiction) * share.cwiseProduct(length).norm());
+      }
 }
