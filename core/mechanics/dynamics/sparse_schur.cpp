@@ -79,8 +79,9 @@ bool SparseSchurOf<Space>::factorize(std::span<const Row> G, const Eigen::Vector
 
 template <class Space> bool SparseSchurOf<Space>::factorize_dependent() {
   rank_ = 0, independence_ = 1;
+  blank_.clear();
   for (std::size_t j = 0; j < G_.size(); ++j) {
-    if (diagonal_[j] == 0) diagonal_[j] = 1, --rank_;  // a row without entries
+    if (diagonal_[j] == 0) diagonal_[j] = 1, --rank_, blank_.push_back(j);
     value_[static_cast<std::size_t>(start_[j + 1]) - 1] = (1 + kShift) * diagonal_[j];
   }
   if (!factor_.factorize(columns(), 0)) return false;
@@ -94,7 +95,8 @@ template <class Space> bool SparseSchurOf<Space>::factorize_dependent() {
 
 template <class Space> void SparseSchurOf<Space>::solve(const double* f, const double* c, double* x, double* lambda) {
   x_ = inverse_mass_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f, inverse_mass_.size()));
-  std::copy_n(c, wanted_.size(), wanted_.begin());  // c may be lambda
+  std::copy_n(c, wanted_.size(), wanted_.begin());                                       // c may be lambda
+  for (std::size_t i = 0; dependent_ && i < blank_.size(); ++i) wanted_[blank_[i]] = 0;  // they have no say
   std::fill_n(lambda, wanted_.size(), 0.0);
   if (!(dependent_ ? conjugate_residuals(lambda) : two_rounds(lambda))) {
     x_.setConstant(std::nan(""));

@@ -61,6 +61,7 @@ template <class Space> class SparseSchurOf {
   std::vector<Row> G_;  // as factorized last
   Eigen::VectorXd inverse_mass_, x_;
   std::vector<double> wanted_, missing_;  // c; c − G x
+  std::vector<std::size_t> blank_;        // of dependent rows those without entries
   // Of conjugate residuals: the missing preconditioned, the direction, S times the direction, and that preconditioned.
   std::vector<double> residual_, direction_, image_, answer_;
   Eigen::VectorXd residual_force_, direction_force_, velocity_;  // Gᵀ residual, Gᵀ direction, M⁻¹ of either

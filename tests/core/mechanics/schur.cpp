@@ -199,7 +199,7 @@ TEST_CASE("many joint rows eliminated: dependent ones share their forces by leas
         REQUIRE(schur->factorize_dependent());
         CHECK(schur->rank() == n);
 
-        // In rows of length 1, A = D^-1/2 G M^-1/2: the least squares y of A y = D^-1/2 (c - G M^-1 f), the least of them.
+        // In rows of length 1, A = D^-1/2 G M^-1/2: the least of the least squares y of A y = D^-1/2 (c - G M^-1 f).
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(m, dof);
         Eigen::VectorXd length(m), missing(m);
         const Eigen::VectorXd free = inverse_mass.cwiseProduct(f);
