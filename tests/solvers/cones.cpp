@@ -10,6 +10,7 @@
 
 #include "tests/support/allocations.h"
 #include "tests/support/judge.h"
+#include "tests/support/sanitized.h"
 
 #include <doctest/doctest.h>
 #include <Eigen/Dense>
@@ -127,7 +128,7 @@ TEST_CASE("cones: one contact with any matrix: the exact solve finds a solution 
 
 TEST_CASE("cones: auto solves planted problems of every kind") {
   Random random(21);
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < share_of(60); ++trial) {
     const DiscContacts kind{.contacts = 3 + trial % 8,
                             .freedoms = trial % 3 == 0 ? 10 : 40,
                             .mu = trial % 7 == 0 ? 1.2 : 0.4,
@@ -147,7 +148,7 @@ TEST_CASE("cones: auto solves planted problems of every kind") {
 TEST_CASE("cones: a storm: no claim of any solver is false") {
   Random random(31);
   int solved = 0, asked = 0;
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int trial = 0; trial < share_of(40); ++trial) {
     Known known = disc_contacts({.contacts = 1 + trial % 5,
                                  .freedoms = 2 + trial % 12,
                                  .mu = 0.3 * (trial % 5),

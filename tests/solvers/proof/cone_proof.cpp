@@ -130,7 +130,7 @@ TEST_CASE("auto and interior-point prove contact problems with discs infeasible"
   Random random(6);
   for (const char* spec : {"auto", "interior-point"}) {
     const auto solver = make_solver(spec);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int trial = 0; trial < share_of(20); ++trial) {
       CAPTURE(spec);
       CAPTURE(trial);
       const Lcp p = with_proof(2 + trial % 5, false, 0.25, random).problem;

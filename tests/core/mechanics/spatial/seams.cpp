@@ -4,6 +4,8 @@
 #include <orthant/core/mechanics/spatial/height_field.h>
 #include <orthant/core/support/random.h>
 
+#include "tests/support/sanitized.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -341,14 +343,14 @@ TEST_CASE("on seams, crests and steps no gap is deeper than the body is in their
   Random random(31);
   for (int kind = 0; kind < static_cast<int>(Ground::kinds); ++kind) {
     Count count;
-    for (int ground = 0; ground < 50; ++ground) {
+    for (int ground = 0; ground < share_of(50); ++ground) {
       spatial::Collision c{.name = "ground", .shapes = {{0, some_solid(random), 0}}, .law = {}};
       for (const Corners& piece : pieces_of(random, static_cast<Ground>(kind))) c.shapes.push_back({kGround, piece, 0});
       spatial::set_hulls(c);
       for (int i = 0; i < 100; ++i) judge(random, c, count);
     }
     CAPTURE(kind);
-    CHECK(count.overlapping > 2500);
+    CHECK(count.overlapping > share_of(2500));
     CHECK(count.lost <= count.overlapping / 1000);  // past a seam and the rim at its end at once
     CHECK(count.ghosts == 0);
     // Inner corners of terrain and steps: in up to one of 100 poses the gap is along the face that the body is past.
