@@ -12,7 +12,7 @@ constexpr double kShift = 1e-8;            // of S_ii: most of the digits are le
 constexpr double kExplained = 1e-6;        // pivots of dependent rows: the shift times what rows they depend on
 constexpr double kRounding = 4e-16;        // of the largest term of c − G x
 constexpr double kNothing = 30 * 2.2e-16;  // of a combination of rows, by the length of its coefficients: dependent
-constexpr double kGood = 1e-9;             // of the largest term: a solution, though rounds no longer improve it
+constexpr double kGood = 1e-6;             // of the largest term: a solution, though rounds no longer improve it
 constexpr int kRounds = 500, kPatience = 60;
 
 double weighted_length(const std::vector<double>& v, const std::vector<double>& weight) {
