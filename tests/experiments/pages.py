@@ -230,7 +230,7 @@ def main():
             check(not faults, "\n  ".join([f"{file.relative_to(site)}:", *faults[:8]]))
         links = list(broken_links(site))
         check(not links, "\n  ".join(["links:", *(f"{file.relative_to(site)} {words}" for file, words in links[:20])]))
-        check(len(files) > 200 and texts > 20000, f"only {len(files)} pages with {texts} texts")
+        check(len(files) > 90 and texts > 20000, f"only {len(files)} pages with {texts} texts")
         use(page, site)
         falsified(page, site)
     finally:
