@@ -21,6 +21,11 @@ double weighted_length(const std::vector<double>& v, const std::vector<double>& 
   return std::sqrt(sum);
 }
 
+/// fᵀ M⁻¹ f.
+double square_of(const Eigen::VectorXd& force, const Eigen::VectorXd& inverse_mass) {
+  return force.dot(inverse_mass.cwiseProduct(force));
+}
+
 double product(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
@@ -135,15 +140,13 @@ template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* la
     std::copy(of.begin(), of.end(), to.begin());
     return factor_.solve(to);
   };
-  const auto square = [&](const Eigen::VectorXd& force) { return force.dot(inverse_mass_.cwiseProduct(force)); };
-
   if (!std::all_of(missing_.begin(), missing_.end(), [](double r) { return std::isfinite(r); })) return false;
   if (largest_missing() <= kRounding * scale) return true;
   if (!precondition(missing_, residual_)) return false;
   direction_ = residual_;
   set_force(residual_, residual_force_);
   direction_force_ = residual_force_;
-  double length = square(residual_force_), least = length;
+  double length = square_of(residual_force_, inverse_mass_), least = length;
   const double rounding = kRounding * scale * std::sqrt(static_cast<double>(G_.size()));
   for (int round = 0, improved = 0; round < kRounds && round - improved < kPatience; ++round) {
     // What is left moves nothing: c contradicts itself by that.
@@ -160,7 +163,7 @@ template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* la
 
     if (!precondition(missing_, residual_)) return false;
     set_force(residual_, residual_force_);
-    const double next = square(residual_force_), back = next / length;
+    const double next = square_of(residual_force_, inverse_mass_), back = next / length;
     length = next;
     if (!std::isfinite(length)) return false;
     if (length < 0.25 * least) least = length, improved = round;
@@ -175,7 +178,11 @@ template <class Space> bool SparseSchurOf<Space>::forget_contradiction(double* l
   for (std::size_t i = 0; i < G_.size(); ++i) answer_[i] = kShift * diagonal_[i] * residual_[i];
   if (!factor_.solve(answer_)) return false;
   const double length = weighted_length(answer_, diagonal_);
-  if (!(length > 0.5 * weighted_length(residual_, diagonal_))) return true;
+  set_force(answer_, residual_force_);
+  // Weak combinations move little, and bear a part of the load.
+  if (!(length > 0.5 * weighted_length(residual_, diagonal_)) ||
+      !(square_of(residual_force_, inverse_mass_) <= kNothing * kNothing * 1e4 * length * length))
+    return true;
   double part = 0;
   for (std::size_t i = 0; i < G_.size(); ++i) part += diagonal_[i] * lambda[i] * (answer_[i] / length);
   for (std::size_t i = 0; i < G_.size(); ++i) lambda[i] -= part * (answer_[i] / length);
