@@ -13,6 +13,7 @@ constexpr double kExplained = 1e-6;        // pivots of dependent rows: the shif
 constexpr double kRounding = 4e-16;        // of the largest term of c − G x
 constexpr double kNothing = 30 * 2.2e-16;  // of a combination of rows, by the length of its coefficients: dependent
 constexpr double kGood = 1e-6;             // of the largest term: a solution, though rounds no longer improve it
+constexpr double kDiverged = 1e12;         // of the least square: after the last digit rounding grows
 constexpr int kRounds = 500, kPatience = 60;
 
 double weighted_length(const std::vector<double>& v, const std::vector<double>& weight) {
@@ -125,12 +126,16 @@ template <class Space> bool SparseSchurOf<Space>::two_rounds(double* lambda) {
 
 template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* lambda) {
   set_missing();
-  double scale = 0;  // of c and of G M⁻¹ f, in the rows' own lengths
-  for (std::size_t i = 0; i < G_.size(); ++i) {
-    double most = std::abs(wanted_[i]);
-    each_entry(G_[i], [&](Eigen::Index place, double entry) { most = std::max(most, std::abs(entry * x_[place])); });
-    scale = std::max(scale, most / std::sqrt(diagonal_[i]));
-  }
+  const auto largest_term = [&] {  // of c − G x, in the rows' own lengths
+    double largest = 0;
+    for (std::size_t i = 0; i < G_.size(); ++i) {
+      double most = std::abs(wanted_[i]);
+      each_entry(G_[i], [&](Eigen::Index place, double entry) { most = std::max(most, std::abs(entry * x_[place])); });
+      largest = std::max(largest, most / std::sqrt(diagonal_[i]));
+    }
+    return largest;
+  };
+  double scale = largest_term();  // the largest so far
   const auto largest_missing = [&] {
     double most = 0;
     for (std::size_t i = 0; i < G_.size(); ++i) most = std::max(most, std::abs(missing_[i]) / std::sqrt(diagonal_[i]));
@@ -147,10 +152,10 @@ template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* la
   set_force(residual_, residual_force_);
   direction_force_ = residual_force_;
   double length = square_of(residual_force_, inverse_mass_), least = length;
-  const double rounding = kRounding * scale * std::sqrt(static_cast<double>(G_.size()));
+  const double root = std::sqrt(static_cast<double>(G_.size()));
   for (int round = 0, improved = 0; round < kRounds && round - improved < kPatience; ++round) {
     // What is left moves nothing: c contradicts itself by that.
-    const double nothing = std::max(kNothing * weighted_length(residual_, diagonal_), rounding);
+    const double nothing = std::max(kNothing * weighted_length(residual_, diagonal_), kRounding * scale * root);
     if (length <= nothing * nothing) return forget_contradiction(lambda);
     velocity_ = inverse_mass_.cwiseProduct(direction_force_);
     for (std::size_t i = 0; i < G_.size(); ++i) image_[i] = apply(G_[i], velocity_.data());
@@ -159,6 +164,7 @@ template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* la
     for (std::size_t i = 0; i < G_.size(); ++i) lambda[i] += along * direction_[i];
     x_ += along * velocity_;
     set_missing();
+    scale = std::max(scale, largest_term());
     if (largest_missing() <= kRounding * scale) return true;
 
     if (!precondition(missing_, residual_)) return false;
@@ -167,6 +173,7 @@ template <class Space> bool SparseSchurOf<Space>::conjugate_residuals(double* la
     length = next;
     if (!std::isfinite(length)) return false;
     if (length < 0.25 * least) least = length, improved = round;
+    if (length > kDiverged * least) break;
     for (std::size_t i = 0; i < G_.size(); ++i) direction_[i] = residual_[i] + back * direction_[i];
     direction_force_ = residual_force_ + back * direction_force_;
   }
