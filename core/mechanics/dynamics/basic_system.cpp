@@ -17,7 +17,7 @@ constexpr double kAsChosen = 0.1;      // of that growth where the pivots were c
 constexpr double kMostEver = 1e-9;     // in any case
 constexpr double kDependent = 1e-13;   // of a row's S_ii: what is left of it after the rows before it were taken out
 constexpr double kDoubtful = 1e-9;     // likewise: rounding of S makes that, ε times the ratio of the masses
-constexpr int kManyRows = 256;         // above, a decomposition takes a tenth of a second and more
+constexpr int kManyRows = 256;         // above, dependent rows of a sparse S are not decomposed: 25 ms a step
 constexpr int kMostDecomposed = 1000;  // above, minutes and gigabytes
 
 template <class Space> const auto& side(const RowOf<Space>& row, int which) { return which == 0 ? row.ja : row.jb; }
